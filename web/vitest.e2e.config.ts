@@ -21,7 +21,7 @@ export default defineConfig({
     environment: 'node',
     fileParallelism: false,
     testTimeout: 120_000,
-    expect: { poll: { timeout: 20_000 } }, // a slow machine is no failure
+    expect: { poll: { timeout: 20_000 } }, // a slow machine is not a failure
     hookTimeout: 120_000,
     retry: 1, // deploy/test names each test that needed it
     reporters: ['verbose'],

@@ -51,7 +51,7 @@ v1::Rgb default_color(std::size_t index) {
   return rgb;
 }
 
-/// One key of a surface's looks. False where it is none. The server judges the numbers.
+/// One key of a surface's looks. False if it is none. The server judges the numbers.
 bool set_surface(v1::Surface& surface, std::string_view key, std::string_view value, const std::string& text) {
   if (key == "surface") {
     for (const std::string_view end : split(value, '+')) {

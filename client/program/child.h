@@ -10,7 +10,7 @@
 
 namespace isostrata::client {
 
-/// Found by $PATH, without standard input; what it says on standard error is said to the user. One thread uses it. Ended, and waited for, where it is destroyed.
+/// Found by $PATH, without standard input; what it says on standard error is said to the user. One thread uses it. Ended, and waited for, if it is destroyed.
 class Child {
  public:
   /// captured: out() gives what it writes to standard output, which is the user's otherwise. Throws ClientError "unavailable" if nothing can be started.

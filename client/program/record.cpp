@@ -34,7 +34,7 @@ std::string contents(const std::string& path) {
   return text.str();
 }
 
-// Once around without the first picture twice; where it is not closed, both ends.
+// Once around without the first picture twice; if it is not closed, both ends.
 v1::Camera orbit_at(const v1::Camera& start, const RecordArguments& arguments, int frame, int frames) {
   const bool closed = std::fmod(std::abs(arguments.orbit_deg), 360) == 0;
   const double part = frames < 2 ? 0 : static_cast<double>(frame) / (closed ? frames : frames - 1);

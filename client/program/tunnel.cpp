@@ -14,7 +14,7 @@ namespace {
 struct TunnelArguments {
   std::string job;
   std::string login;  // where Slurm is asked, and through which the node is reached; empty: here
-  int port = 0;       // of this machine; 0: the server's own where it is free
+  int port = 0;       // of this machine; 0: the server's own if it is free
 };
 
 ServingJob find_job(const Options& options, const TunnelArguments& arguments) {

@@ -11,7 +11,7 @@
 
 namespace isostrata::client {
 
-/// Frames are gathered into clusters, each beginning with a key frame where it can.
+/// Frames are gathered into clusters, each beginning with a key frame if it can.
 class WebmWriter {
  public:
   /// Writes the head. The file outlives this.

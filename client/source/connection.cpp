@@ -258,7 +258,7 @@ std::uint64_t Connection::own_number(std::uint64_t wire) const {
   return after == numbers_.begin() ? contained_ : std::prev(after)->second;
 }
 
-// 0 where it is none of the caller's.
+// 0 if it is none of the caller's.
 std::uint64_t Connection::exact_number(std::uint64_t wire) const {
   const auto at = std::lower_bound(numbers_.begin(), numbers_.end(), wire,
                                    [](const auto& entry, std::uint64_t value) { return entry.first < value; });
@@ -366,7 +366,7 @@ void Connection::keep_until(Steady::time_point deadline) {
 // ---- coming back
 // ---------------------------------------------------------------------------------------------------------------
 
-// What was refused long ago is no reason; what was said with a goodbye is.
+// What was refused long ago is not a reason; what was said with a goodbye is.
 std::string Connection::why_lost() const {
   if (!socket_) return "it could not be made";
   return socket_->close_code() != 0 && !last_words_.empty() ? last_words_ : socket_->why();

@@ -1,4 +1,4 @@
-// The way to one session, which is made anew where it is lost: the newest token joins the session again, and commands that the
+// The way to one session, which is made anew if it is lost: the newest token joins the session again, and commands that the
 // server has not judged are sent again. Two things make that exact. Commands have numbers of this client's own over all its
 // connections, and Welcome says the newest that was judged. And messages have numbers towards the caller that grow over all
 // connections, too: what the server says of a message of one connection is translated, so that whoever waits for a frame of

@@ -18,7 +18,7 @@ std::string_view take_until(std::string_view& text, std::string_view ends) {
   return taken;
 }
 
-// A value of a query without its escapes; false where one is broken.
+// A value of a query without its escapes; false if one is broken.
 bool unescape(std::string_view text, std::string& to) {
   for (std::size_t i = 0; i < text.size(); ++i) {
     if (text[i] != '%') {

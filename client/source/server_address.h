@@ -17,7 +17,7 @@ struct ServerAddress {
   std::string unix_path{};  // of a Unix socket, in place of a host and port
 };
 
-/// options.url is unix:/PATH/OF/A/SOCKET, http://HOST:PORT/ or https://HOST:PORT/, with a prefix to the path and a query where there are some; a token in
+/// options.url is unix:/PATH/OF/A/SOCKET, http://HOST:PORT/ or https://HOST:PORT/, with a prefix to the path and a query if there are some; a token in
 /// the query comes before options.token. Throws ClientError "bad_url".
 ServerAddress parse_address(const Options& options);
 

@@ -92,7 +92,7 @@ void Transport::shake_hands(const ServerAddress& address, const Options& options
   context_->set_verify_mode(options.insecure ? ssl::verify_none : ssl::verify_peer, error);
   tls_.emplace(socket_, *context_);
   SSL* const handle = tls_->native_handle();
-  // An address is no name: it is looked for among the certificate's addresses, and servers are not asked for it by name.
+  // An address is not a name: it is looked for among the certificate's addresses, and servers are not asked for it by name.
   Error not_an_address;
   asio::ip::make_address(address.connect_to, not_an_address);
   if (not_an_address) {
@@ -108,7 +108,7 @@ void Transport::shake_hands(const ServerAddress& address, const Options& options
   if (const long verdict = SSL_get_verify_result(handle); verdict != X509_V_OK && !options.insecure)
     throw ClientError("tls", where(address) + ": its certificate is not trusted: " + X509_verify_cert_error_string(verdict) +
                                  (options.ca_file.empty() ? "; a CA file may say whom to trust" : ""));
-  // A server that goes away in the middle is one that is not there; any other answer is no TLS.
+  // A server that goes away in the middle is one that is not there; any other answer is not TLS.
   const bool gone = error.category() == asio::error::get_system_category() || error == asio::error::eof ||
                     error == ssl::error::stream_truncated;
   throw ClientError(gone ? "connection" : "tls", where(address) + ": no TLS: " + error.message());

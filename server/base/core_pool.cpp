@@ -143,7 +143,7 @@ void CorePool::wait_for_turn(Work& work, Lock& lock) {
   while (!may_run(&work) && !work.cancelled()) {
     const auto until = std::chrono::nanoseconds(look_at_.load(std::memory_order_relaxed)) - now_ns();
     turn_changed_.wait_for(lock, std::clamp<std::chrono::nanoseconds>(until, std::chrono::microseconds(100), FairTurns::kTurn));
-    pulse();  // waiting is no hanging
+    pulse();  // waiting is not hanging
     turns_.step(work.id_);
     look(now_ns());
   }

@@ -5,7 +5,7 @@
 
 namespace isostrata {
 
-/// One number for each core that a machine may have: 1 where this process may run on it.
+/// One number for each core that a machine may have: 1 if this process may run on it.
 std::vector<int> usable_cores();
 
 /// own: usable_cores(); users: the sum of those of all processes that share the cores. Of a core that N may use each has an Nth. At least 1.

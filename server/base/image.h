@@ -16,7 +16,7 @@ struct Image {
 
 /// 32-bit float, premultiplied by alpha (as renderers accumulate it). depth is the distance from the eye along the view direction
 /// to the nearest drawn point, infinity where nothing was drawn; mean_depth that of all that is seen, each by how much of it is
-/// seen, times alpha like a colour; each empty where it was not asked for.
+/// seen, times alpha like a colour; each empty if it was not asked for.
 struct FloatImage {
   int width = 0;
   int height = 0;

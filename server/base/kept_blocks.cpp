@@ -88,7 +88,7 @@ void* in_huge_pages(std::size_t bytes) noexcept {
   if (whole < bytes) return nullptr;
   void* const at = std::aligned_alloc(kHugePage, whole);
 #if defined(__linux__)
-  if (at) ::madvise(at, whole, MADV_HUGEPAGE);  // advice: where it is not taken, pages are small
+  if (at) ::madvise(at, whole, MADV_HUGEPAGE);  // advice: if it is not taken, pages are small
 #endif
   return at;
 }

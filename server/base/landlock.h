@@ -28,11 +28,11 @@ class PathRules {
 
   /// Whether the kernel has it.
   bool usable() const { return ruleset_ >= 0; }
-  /// `rights` below an open file or folder (O_PATH will do), of which a file takes those that files have. Nothing where `opened` is -1.
+  /// `rights` below an open file or folder (O_PATH will do), of which a file takes those that files have. Nothing if `opened` is -1.
   void allow(int opened, std::uint64_t rights) const;
-  /// The same by name, a link followed; nothing where there is no such thing.
+  /// The same by name, a link followed; nothing if there is no such thing.
   void allow(const std::filesystem::path& path, std::uint64_t rights) const;
-  /// From now on, for this thread and those that it starts. False where it cannot. After PR_SET_NO_NEW_PRIVS.
+  /// From now on, for this thread and those that it starts. False if it cannot. After PR_SET_NO_NEW_PRIVS.
   bool enforce() const;
 
  private:

@@ -1,4 +1,4 @@
-// The program's modules: libraries of ours that are loaded when they are needed, or where they are there at all.
+// The program's modules: libraries of ours that are loaded when they are needed, or if they are there at all.
 #pragma once
 
 #include <string>

@@ -21,7 +21,7 @@ class PulseScope {
   Pulse* const before_;
 };
 
-/// Of this thread; null where there is none.
+/// Of this thread; null if there is none.
 Pulse* current_pulse();
 void pulse();
 

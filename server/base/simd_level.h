@@ -18,7 +18,7 @@ std::vector<std::string> simd_levels();
 std::string simd_level();
 
 /// "auto", or a level's name. Before threads run kernels. Programs that this one starts are given it by ISOSTRATA_SIMD. Throws
-/// invalid_argument for what is no level, unavailable for what the machine does not have.
+/// invalid_argument for what is not a level, unavailable for what the machine does not have.
 void use_simd_level(std::string_view name);
 
 /// use_simd_level of $ISOSTRATA_SIMD, if it is there and not empty. The error names the variable.

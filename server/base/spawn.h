@@ -19,7 +19,7 @@ struct Spawn {
 };
 
 /// Starts it in a process group of its own, with no signal blocked or ignored. A program that lies beside this one is started as this one was: by the
-/// dynamic loader and its folder of libraries, where that is what was started (base/program_file.h). Returns 0 and its id, or an errno. Any thread.
+/// dynamic loader and its folder of libraries, if that is what was started (base/program_file.h). Returns 0 and its id, or an errno. Any thread.
 int spawn_in_group(pid_t& id, const Spawn& spawn);
 
 /// This process's environment but for the variables of these names.

@@ -22,7 +22,7 @@ class TemporaryDirectory {
   TemporaryDirectory& operator=(const TemporaryDirectory&) = delete;
 
   const std::filesystem::path& path() const { return path_; }
-  /// Becomes a directory of that name; false where it cannot, and stays what it is.
+  /// Becomes a directory of that name; false if it cannot, and stays what it is.
   bool move_to(const std::filesystem::path& other);
 
  private:

@@ -7,7 +7,7 @@
 
 namespace isostrata {
 
-/// The bytes of the character that begins there, 1 to 4; 0 where none does: an overlong form, a surrogate, what is cut off.
+/// The bytes of the character that begins there, 1 to 4; 0 if none does: an overlong form, a surrogate, what is cut off.
 std::size_t utf8_length(std::string_view text, std::size_t at);
 
 /// The same text, each byte that belongs to no character as `escape` and two hexadecimal digits: "caf\xe9". Valid UTF-8.

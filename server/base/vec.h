@@ -60,7 +60,7 @@ constexpr Vec3<T> lerp(Vec3<T> a, Vec3<T> b, T t) {
   return a + (b - a) * t;
 }
 
-/// Six times the signed volume of the tetrahedron abcd: positive where (b-a, c-a, d-a) is right-handed.
+/// Six times the signed volume of the tetrahedron abcd: positive if (b-a, c-a, d-a) is right-handed.
 template <class T>
 constexpr T orient3d(Vec3<T> a, Vec3<T> b, Vec3<T> c, Vec3<T> d) {
   return dot(cross(b - a, c - a), d - a);

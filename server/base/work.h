@@ -38,7 +38,7 @@ class Work {
   std::atomic<bool> stepped_{false};  // since the pool last looked
 };
 
-/// Of this thread; null where there is none.
+/// Of this thread; null if there is none.
 Work* current_work();
 
 /// This thread waits for what another's work makes, which is as urgent from now on as what waits. Any thread may call it. maker: null, or alive.

@@ -24,7 +24,7 @@ class BenchEngine {
   /// The first picture of the scene that comes after this call, as a moving frame (JPEG). before: gets each that comes earlier, of what was there or of
   /// some of the points.
   FrameReady picture(Scene scene, int width, int height, const std::function<void(const FrameReady&)>& before = {});
-  /// What a session of this dataset begins with. Throws not_found where there is nothing to show.
+  /// What a session of this dataset begins with. Throws not_found if there is nothing to show.
   Scene first_scene(const DatasetFacts& facts, double aspect) const;
 
  private:
@@ -56,7 +56,7 @@ class ScratchCache {
   bool had_temporary_ = false;
 };
 
-/// Memory of this process that is no file's, after what is free was given back.
+/// Memory of this process that is not a file's, after what is free was given back.
 std::uint64_t resident_bytes();
 
 /// Bytes of a file, a folder, or all files of a series; 0 of analytic data.

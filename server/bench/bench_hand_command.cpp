@@ -94,7 +94,7 @@ void run(const HandArguments& arguments) {
       runs.push_back(std::move(one));
     } catch (const Error& error) {
       if (error.code() == ErrorCode::cancelled || arguments.data.size() == 1) throw;
-      ++failed;  // one bad file of many is no reason to measure none
+      ++failed;  // one bad file of many is not a reason to measure none
       std::fprintf(stderr, "isostrata: %s\n", error.what());
       runs.push_back(json::object{{"data", std::filesystem::path(data).filename().string()}, {"error", error.what()}});
     }

@@ -247,7 +247,7 @@ class Running {
     stop_ = true;
     if (thread_.joinable()) thread_.join();
   }
-  /// After its end: seconds for once; nothing where it was stopped or failed.
+  /// After its end: seconds for once; nothing if it was stopped or failed.
   std::optional<double> took_s() const { return ok_ && whole_ ? std::optional(took_s_) : std::nullopt; }
   void cut_short() { whole_ = false; }
   bool failed() const { return whole_ && !ok_; }

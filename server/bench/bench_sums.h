@@ -26,7 +26,7 @@ Spread spread_of(std::vector<double> values);
 
 boost::json::object to_json(const Spread& spread);
 
-/// Memory of a process that is no file's: RssAnon of /proc. 0 where there is no such process.
+/// Memory of a process that is not a file's: RssAnon of /proc. 0 if there is no such process.
 std::uint64_t anonymous_bytes(pid_t process);
 
 }  // namespace isostrata

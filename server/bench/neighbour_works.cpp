@@ -174,7 +174,7 @@ bool export_mesh(const HeavySession& of, const Stop& stop) {
   return status == "done";
 }
 
-// Names that are no numbers, which would make one series of them.
+// Names that are not numbers, which would make one series of them.
 constexpr int kSlowFiles = 26 * 26;
 std::string slow_name(int i) { return std::string("slow-") + static_cast<char>('a' + i / 26) + static_cast<char>('a' + i % 26); }
 

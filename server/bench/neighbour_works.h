@@ -15,7 +15,7 @@ struct HeavySession {
   std::string token;
   std::string id;  // of the session
 
-  /// Throws unavailable where the answer is an error.
+  /// Throws unavailable if the answer is an error.
   std::string ask(const std::string& method, const std::string& path, const std::string& body = {}) const;
 };
 
@@ -25,7 +25,7 @@ struct NeighbourWork {
   bool ends = true;             // by itself: then it can be timed
   /// Makes the session what the work needs.
   std::function<void(const HeavySession&)> prepare;
-  /// Until it is done, or soon after `stop`. False where it failed.
+  /// Until it is done, or soon after `stop`. False if it failed.
   std::function<bool(const HeavySession&, const std::atomic<bool>& stop)> work;
 };
 

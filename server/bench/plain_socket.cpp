@@ -22,7 +22,7 @@ struct Connected {
   bool ok = false;
 };
 
-/// Of the head; nothing where it is not whole or says none.
+/// Of the head; nothing if it is not whole or says none.
 std::optional<std::size_t> whole_size(const std::string& received) {
   const auto end = received.find("\r\n\r\n");
   const auto length = received.find("Content-Length: ");

@@ -20,7 +20,7 @@ namespace {
 struct Request {
   std::string_view name;            // whole, for messages
   std::string_view kind;            // before ':'
-  std::vector<std::int64_t> sizes;  // between 'x' after ':', empty where there is no ':'
+  std::vector<std::int64_t> sizes;  // between 'x' after ':', empty if there is no ':'
 };
 
 [[noreturn]] void refuse(const Request& request, const std::string& expected) {

@@ -39,7 +39,7 @@ std::span<const std::string_view> analytic_names();
 /// Whether `name` is one of the names above or one of them with ":...".
 bool is_analytic(std::string_view name);
 
-/// Makes it, in parallel. Throws invalid_argument (a size that is no number, or too small), too_large (above the stated limit or
+/// Makes it, in parallel. Throws invalid_argument (a size that is not a number, or too small), too_large (above the stated limit or
 /// options.max_bytes), not_found (no such step), cancelled. Any thread.
 std::shared_ptr<const Dataset> make_analytic(std::string_view name, const OpenOptions& options, const Task& task);
 

@@ -50,7 +50,7 @@ struct PointArray {
   std::string component = "";  // "" for a scalar, "magnitude", or the component's name ("x", "0", ...)
   ScalarType type = ScalarType::float32;
   ScalarSpan values;                    // [np]
-  double lower = 0, upper = 0;          // range of the finite values; lower > upper where there is none
+  double lower = 0, upper = 0;          // range of the finite values; lower > upper if there is none
   std::int64_t nan_count = 0;           // values that are NaN or infinite
   std::shared_ptr<const void> storage;  // keeps values alive
   std::shared_ptr<const CellValues> cells;  // of cell_averaged: what was averaged; null also in a part of a grid whose cells are other ones

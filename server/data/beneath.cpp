@@ -17,7 +17,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-/// ROOT and REST; no ROOT where there is no mark.
+/// ROOT and REST; no ROOT if there is no mark.
 std::pair<fs::path, fs::path> parts(const fs::path& path) {
   const std::string text = path.string();
   const auto mark = text.find("/./");

@@ -27,7 +27,7 @@ struct ChildResult {
 
 /// Runs a program, in a process group of its own, without standard input and without the parent's other
 /// descriptors, until it ends. Each line of its standard output goes to on_line. Throws cancelled when the task is, bad_data
-/// after timeout_s (both end the child's whole group first), unavailable where it cannot be started. Never leaves a zombie. Any
+/// after timeout_s (both end the child's whole group first), unavailable if it cannot be started. Never leaves a zombie. Any
 /// thread.
 ChildResult run_child(const ChildProgram& child, double timeout_s, const Task& task,
                       const std::function<void(std::string_view line)>& on_line);

@@ -63,7 +63,7 @@ Between between(std::int64_t index, std::int64_t stride, std::int64_t kept) {
   return {static_cast<std::size_t>(below), static_cast<std::size_t>(std::min(below + 1, kept - 1)), static_cast<double>(beyond) / static_cast<double>(stride)};
 }
 
-/// A point that is kept counts for itself alone, whatever its neighbours are: 0 times NaN is no value.
+/// A point that is kept counts for itself alone, whatever its neighbours are: 0 times NaN is not a value.
 double mix(double a, double b, double share) { return share == 0 ? a : a + (b - a) * share; }
 
 using Dims = std::array<std::int64_t, 3>;

@@ -39,7 +39,7 @@ struct Dataset {
 };
 
 struct OpenOptions {
-  int step = 0;                           // throws not_found where the dataset has no such step
+  int step = 0;                           // throws not_found if the dataset has no such step
   std::filesystem::path importer;         // empty: isostrata-import beside this executable, loaded once (loaded_importer.h); else started for each file
   std::uint64_t max_bytes = 16ull << 30;  // refuse what would need more memory (points, cells and arrays together)
   double timeout_s = 600;                 // the import child is ended after that

@@ -26,10 +26,10 @@ bool has_sign_or_exponent(const WrittenNumber& number);
 /// Of numbers of which one has a sign or an exponent all are.
 bool are_decimals(const std::vector<WrittenNumber>& numbers);
 
-/// The text at the only star of a pattern, or at its only "*.*", in the name of each of its files; empty where the pattern has others.
+/// The text at the only star of a pattern, or at its only "*.*", in the name of each of its files; empty if the pattern has others.
 std::vector<WrittenNumber> numbers_at_star(std::string_view pattern, const std::vector<SeriesFile>& files);
 
-/// The values of decimals at the only star or "*.*", of each file in its name; empty where there are none.
+/// The values of decimals at the only star or "*.*", of each file in its name; empty if there are none.
 std::vector<double> decimals_in_names(std::string_view pattern, const std::vector<SeriesFile>& files);
 
 /// Where the last star of a pattern, "*" or "*.*", may stand for one decimal number: a dot before it or a number behind it speak against it. npos else.

@@ -29,7 +29,7 @@ const FileFormat& format_of(FileKind kind);
 struct ForeignFormat {
   std::string_view extensions;  // as above
   std::string_view what;        // "a surface"
-  std::string_view advice;      // "expected ...", "save it as ..."; empty for what is no data
+  std::string_view advice;      // "expected ...", "save it as ..."; empty for what is not data
 };
 std::span<const ForeignFormat> foreign_formats();
 

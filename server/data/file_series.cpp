@@ -86,7 +86,7 @@ struct Name {
     return r + 1 < runs.size() && runs[r + 1].first == dot + 1 && text[dot] == '.';
   }
   std::size_t end_of(std::size_t r) const { return runs[r].first + runs[r].second; }
-  /// Whether a minus before it is no hyphen: "phi_-0.5", not "run-5".
+  /// Whether a minus before it is not a hyphen: "phi_-0.5", not "run-5".
   bool negative(std::size_t r) const {
     const std::size_t at = runs[r].first;
     return at > 0 && text[at - 1] == '-' && (at == 1 || text[at - 2] == '_' || text[at - 2] == '=' || text[at - 2] == ' ');
@@ -214,7 +214,7 @@ void add_groups(std::vector<Name> names, std::vector<NameGroup>& groups) {
   for (auto& [pattern, some] : alike) add_group(std::move(some), groups);
 }
 
-/// The numbers at the stars; false where the name is not of the pattern.
+/// The numbers at the stars; false if the name is not of the pattern.
 bool matches(std::string_view name, std::string_view pattern, std::vector<std::uint64_t>& numbers) {
   while (!pattern.empty()) {
     if (pattern.front() != '*') {

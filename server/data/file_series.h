@@ -1,5 +1,5 @@
 // Files that differ by numbers in their names are the steps of one series. It is named by its pattern: "plume_*.vtu" in the folder of the files, where
-// each * stands for a number. Gaps are no matter, nor how many digits a number has.
+// each * stands for a number. Gaps do not matter, nor how many digits a number has.
 #pragma once
 
 #include <cstdint>
@@ -20,7 +20,7 @@ bool is_series_pattern(const std::filesystem::path& path);
 /// Pictures by their extension: numbered ones are the slices of a volume, not steps.
 bool names_pictures(const std::filesystem::path& path);
 
-/// The files of a pattern, in the order of their numbers; for Exodus restarts, "x.e-s*", "x.e" is the first. Throws not_found where there are none,
+/// The files of a pattern, in the order of their numbers; for Exodus restarts, "x.e-s*", "x.e" is the first. Throws not_found if there are none,
 /// and where one of a pattern below a root (beneath.h) is a link that leads out of it; too_large above 100000.
 std::vector<SeriesFile> series_files(const std::filesystem::path& pattern);
 

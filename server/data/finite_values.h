@@ -8,7 +8,7 @@
 
 namespace isostrata {
 
-/// Of the values that are finite; lower > upper where there is none.
+/// Of the values that are finite; lower > upper if there is none.
 struct FiniteValues {
   double lower = std::numeric_limits<double>::infinity();
   double upper = -std::numeric_limits<double>::infinity();

@@ -31,7 +31,7 @@ class FolderWatch {
   FolderWatch& operator=(const FolderWatch&) = delete;
 
   /// From now on these folders, real paths, and no others. Those that were not watched before: what happened to them until now is not told, so look at them again.
-  /// lone: folders of which a few files count, and which are not looked at for others; where they have no watch they are told of at every look.
+  /// lone: folders of which a few files count, and which are not looked at for others; if they have no watch they are told of at every look.
   std::set<std::filesystem::path> watch(const std::set<std::filesystem::path>& folders, const std::set<std::filesystem::path>& lone = {});
 
   struct News {

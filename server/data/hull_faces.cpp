@@ -60,7 +60,7 @@ void add_determinant(Expansion& to, const Vec3d& a, const Vec3d& b, const Vec3d&
 using Triangle = std::array<int, 3>;  // counter-clockwise seen from outside
 using CornerCycle = std::vector<int>;
 
-/// The boundary of the hull, triangulated by placing; empty where the points lie in a plane.
+/// The boundary of the hull, triangulated by placing; empty if the points lie in a plane.
 std::vector<Triangle> exact_hull(std::span<const Vec3d> p) {
   const int n = static_cast<int>(p.size());
   const auto orientation = [&](int a, int b, int c, int d) { return exact_orientation(p[a], p[b], p[c], p[d]); };
@@ -120,7 +120,7 @@ class Faces {
     std::sort(by_area_.begin(), by_area_.end(), [&](int a, int b) { return area(a) != area(b) ? area(a) > area(b) : a < b; });
   }
 
-  /// With all within `tolerance` of a face's plane in it; nothing where the faces are no polygons then.
+  /// With all within `tolerance` of a face's plane in it; nothing if the faces are not polygons then.
   std::optional<std::vector<CornerCycle>> join(double tolerance) {
     std::vector<int> face(hull_.size(), -1);
     int faces = 0;
@@ -174,7 +174,7 @@ class Faces {
     return true;
   }
 
-  /// The one cycle around a face's triangles; nothing where there are more, or it meets itself.
+  /// The one cycle around a face's triangles; nothing if there are more, or it meets itself.
   std::optional<CornerCycle> outline(const std::vector<int>& face, int f) const {
     std::map<int, int> next;
     for (std::size_t t = 0; t < hull_.size(); ++t) {
@@ -189,7 +189,7 @@ class Faces {
     return cycle;
   }
 
-  /// A point that is no corner yet and lies on an edge is a corner of both its faces: of the nearest edge, where there are more.
+  /// A point that is not a corner yet and lies on an edge is a corner of both its faces: of the nearest edge, if there are more.
   void add_points_of_edges(std::vector<CornerCycle>& cycles, double tolerance) const {
     std::vector<char> used(p_.size());
     std::set<std::array<int, 2>> edges;

@@ -45,7 +45,7 @@ std::string text_of(const fs::path& file) {
 
 std::string boot_id() { return text_of("/proc/sys/kernel/random/boot_id"); }
 
-/// Numbers as their bits: nothing is rounded, and infinite ends of empty ranges are no numbers of JSON.
+/// Numbers as their bits: nothing is rounded, and infinite ends of empty ranges are not numbers of JSON.
 json::value bits(double value) { return std::bit_cast<std::int64_t>(value); }
 double number(const json::value& value) { return std::bit_cast<double>(value.as_int64()); }
 
@@ -85,7 +85,7 @@ std::optional<KnownMeasures> read_measures(const fs::path& file) {
   }
 }
 
-/// What an entry with a grid of its own was made of, and by which reader; nothing where that cannot be told.
+/// What an entry with a grid of its own was made of, and by which reader; nothing if that cannot be told.
 std::optional<std::string> origin_of(const fs::path& file, const ImportOptions& options) {
   const auto files = source_files(file);
   if (!files) return std::nullopt;
@@ -307,7 +307,7 @@ KeptWork::KeptWork(const fs::path& file, std::string what, const ImportCache& ca
   origin_ = origin();
 }
 
-/// Empty where it cannot be told, or what lies in the cache is not to be believed.
+/// Empty if it cannot be told, or what lies in the cache is not to be believed.
 std::string KeptWork::origin() const {
   if (!is_shut_in()) return {};
   check_source(file_, {});

@@ -22,7 +22,7 @@
 namespace isostrata {
 
 struct ImportCache {
-  std::filesystem::path folder;          // made where it is not there, for this user alone
+  std::filesystem::path folder;          // made if it is not there, for this user alone
   std::uint64_t max_bytes = 8ull << 30;  // the entries used longest ago make room
   double least_seconds = 0.5;            // what is read faster is not kept
 };
@@ -39,17 +39,17 @@ bool can_be_cached(const ImportCache& cache, const std::filesystem::path& file);
 std::shared_ptr<const Dataset> open_import_cached(const std::filesystem::path& file, const ImportOptions& options, const ImportCache& cache,
                                                   const Task& task);
 
-/// Only where there is an entry of the files as they are now; else null.
+/// Only if there is an entry of the files as they are now; else null.
 std::shared_ptr<const Dataset> find_import_cached(const std::filesystem::path& file, const ImportOptions& options, const ImportCache& cache);
 
-/// Something small that was made of a file, kept between the imports and as they are. Any thread, any process. Throws not_found where there is no such file.
+/// Something small that was made of a file, kept between the imports and as they are. Any thread, any process. Throws not_found if there is no such file.
 class KeptWork {
  public:
   /// Of the file as it is now. `what` says what was made, and by whom.
   KeptWork(const std::filesystem::path& file, std::string what, const ImportCache& cache);
-  /// Nothing where it is not there, or is damaged.
+  /// Nothing if it is not there, or is damaged.
   std::optional<std::vector<std::byte>> find() const;
-  /// Does nothing where the file has changed since the constructor, and where the machine cannot keep the import child out of the cache.
+  /// Does nothing if the file has changed since the constructor, and where the machine cannot keep the import child out of the cache.
   void keep(std::span<const std::byte> bytes) const;
 
  private:

@@ -116,7 +116,7 @@ void check_source(const fs::path& file, const OpenOptions& options) {
   if (opened < 0 && why == EXDEV)
     throw Error(ErrorCode::not_found, file.string() + ": is now a link out of the directory that is served, and is not followed");
   if (is_series_pattern(file))
-    series_files(file);  // throws where there are none
+    series_files(file);  // throws if there are none
   else if (file.empty() || !fs::exists(status))
     throw Error(ErrorCode::not_found, file.string() + ": no such file or analytic data");
   if (options.step < 0)

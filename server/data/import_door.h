@@ -44,10 +44,10 @@ struct ImportOptions : OpenOptions {
   /// like: another step of the same file that is in memory, or null: of one that lies on the same mesh a reader then brings the values alone.
   ImportOptions(OpenOptions options = {}, std::shared_ptr<const Dataset> like = nullptr) : OpenOptions(std::move(options)), like(std::move(like)) {}
   std::shared_ptr<const Dataset> like;
-  std::optional<ReaderNeeds> needs{};  // of the file, where it was recognised already
+  std::optional<ReaderNeeds> needs{};  // of the file, if it was recognised already
 };
 
-/// Arrays of this many bytes are mapped in place where they can be: below, a copy is cheap, and does not change under those who look at it.
+/// Arrays of this many bytes are mapped in place if they can be: below, a copy is cheap, and does not change under those who look at it.
 inline constexpr std::uint64_t kLeastInPlace = std::uint64_t{64} << 20;
 /// Whether a file of this name may hold such arrays.
 bool may_lie_in_place(const std::filesystem::path& file);
@@ -55,7 +55,7 @@ bool may_lie_in_place(const std::filesystem::path& file);
 /// In a folder that is kept: which files it was read from, and when. It is written last, so a folder without it is not finished.
 inline constexpr const char* kOriginFile = "origin.txt";
 
-/// Runs the child on `file`. Throws not_found, bad_data (also where the child crashed, ran out of time, or wrote something
+/// Runs the child on `file`. Throws not_found, bad_data (also if the child crashed, ran out of time, or wrote something
 /// inconsistent), unsupported, too_large, cancelled, unavailable (no isostrata-import, no room for temporary files). Any thread.
 std::shared_ptr<const Dataset> open_import(const std::filesystem::path& file, const ImportOptions& options, const Task& task);
 
@@ -99,7 +99,7 @@ std::shared_ptr<Dataset> map_import(const std::filesystem::path& directory, cons
                                     ImportFiles files = ImportFiles::unlinked, const ImportMeasures* known = nullptr,
                                     ImportValues values = ImportValues::measured);
 
-/// isostrata-import beside this executable, or isostrata-import-all for what needs all readers (recognise.h). Throws unavailable where it is not there.
+/// isostrata-import beside this executable, or isostrata-import-all for what needs all readers (recognise.h). Throws unavailable if it is not there.
 std::filesystem::path default_importer(bool all_readers);
 
 }  // namespace isostrata

@@ -20,10 +20,10 @@ namespace isostrata {
 /// believed.
 void set_place_of_facts(const std::shared_ptr<const void>& storage, std::filesystem::path folder, std::string prefix);
 
-/// The bytes that were kept under this name; nothing where none are, or the array has no place for them.
+/// The bytes that were kept under this name; nothing if none are, or the array has no place for them.
 std::optional<std::vector<std::byte>> kept_fact(const PointArray& array, const std::string& name);
 
-/// Bytes in a file with a checksum. Nothing where they are not as they were written.
+/// Bytes in a file with a checksum. Nothing if they are not as they were written.
 std::optional<std::vector<std::byte>> read_checked(const std::filesystem::path& file);
 /// Whether they could be written.
 bool write_checked(const std::filesystem::path& file, std::span<const std::byte> bytes);

@@ -10,7 +10,7 @@ namespace {
 using Row = std::array<double, 4>;
 using Matrix = std::array<Row, 4>;
 
-/// Solves a x = b by elimination; false where a is singular.
+/// Solves a x = b by elimination; false if a is singular.
 bool solve(Matrix a, Row b, Row& x) {
   for (int c = 0; c < 4; ++c) {
     int pivot = c;

@@ -46,7 +46,7 @@ class Listing {
   }
 
  private:
-  /// Below the root, as text: lexically_relative takes long where there are many.
+  /// Below the root, as text: lexically_relative takes long if there are many.
   std::string below(const fs::path& path) const {
     if (path == root_) return root_.filename().string();
     const std::string &text = path.native(), &root = root_.native();

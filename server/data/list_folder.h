@@ -21,7 +21,7 @@ struct FolderEntry {
   std::int64_t changed = 0;  // when the newest of them was, in milliseconds since 1970
   int files = 1;             // steps or slices that are files of their own; of a folder that is one data set, 1
   // Of its numbered files, of those that it lists, of the times of an OpenFOAM case: what mark_of gives for the first, for the first two and so on. The data set
-  // has grown if what it had is the beginning of what it has. Empty where it is one file.
+  // has grown if what it had is the beginning of what it has. Empty if it is one file.
   std::vector<std::uint64_t> marks{};
   std::uint64_t mark = 0;  // what mark_of gives for all that it is made of
   bool writing = false;    // one of its files is being written
@@ -41,8 +41,8 @@ struct FolderListing {
 };
 
 /// Looks at the first bytes of each file at any depth up to 8. Numbered files are one entry (file_series.h); files that another one lists (pieces, parts, the data of a
-/// header) are that one's; a file of a format that is read is an entry also where it is damaged, so that opening it says why. Links that lead out of the folder
-/// are passed over. Throws not_found where the folder cannot be listed.
+/// header) are that one's; a file of a format that is read is an entry also if it is damaged, so that opening it says why. Links that lead out of the folder
+/// are passed over. Throws not_found if the folder cannot be listed.
 FolderListing list_folder(const std::filesystem::path& folder, std::size_t most = 10'000);
 
 /// Adds up files that were passed over for the same reason, with at most three examples of each.

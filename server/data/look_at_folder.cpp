@@ -32,7 +32,7 @@ std::optional<FileKind> kind_by_name(const std::string& name) {
   return std::nullopt;
 }
 
-/// Why a file of a format that is read is none to open by itself; empty where it is.
+/// Why a file of a format that is read is none to open by itself; empty if it is.
 std::string not_a_grid(const std::string& name, const Recognised& of) {
   if (of.kind == FileKind::plot3d && !ends_with_one_of(small_letters(name), ".xyz .p3d .x .g xyz.bin")) return kSolution;
   if (of.kind == FileKind::openfoam) return "a mark of an OpenFOAM case without the case around it";
@@ -156,7 +156,7 @@ std::optional<FileStamp> file_stamp(const fs::path& file) {
   return stamp_of(about);
 }
 
-// FNV-1a: nothing depends on its strength, since a stamp is no proof either.
+// FNV-1a: nothing depends on its strength, since a stamp is not a proof either.
 std::uint64_t mark_of(std::uint64_t before, const std::string& name, const FileStamp& stamp) {
   std::uint64_t hash = before ? before : 14695981039346656037u;
   const auto add = [&hash](const void* bytes, std::size_t count) {

@@ -24,7 +24,7 @@ struct FileStamp {
 
 FileStamp stamp_of(const struct stat& about);
 
-/// Of what stands at the path, links followed; nothing where nothing does.
+/// Of what stands at the path, links followed; nothing if nothing does.
 std::optional<FileStamp> file_stamp(const std::filesystem::path& file);
 
 /// A number for one more file behind those that `before` stands for. 0 stands for none.
@@ -50,14 +50,14 @@ struct FolderContents {
   std::uint64_t bytes = 0;            // of Zarr: of all files below it, chunks too; 0 if these are more than 10,000
   std::vector<LookedAt> files;        // in the order of their names
   std::vector<std::string> folders;   // the same
-  std::vector<std::pair<std::string, std::string>> passed_over;  // names with reasons: what is no file
+  std::vector<std::pair<std::string, std::string>> passed_over;  // names with reasons: what is not a file
   bool cut_off = false;               // there are more than `most`
 
-  /// Null where there is no file of that name.
+  /// Null if there is no file of that name.
   const LookedAt* find(const std::string& name) const;
 };
 
-/// Files that `before` has with the same stamp are not opened again. Links that lead out of `root`, a real path, are passed over. Nothing where the folder cannot be listed.
+/// Files that `before` has with the same stamp are not opened again. Links that lead out of `root`, a real path, are passed over. Nothing if the folder cannot be listed.
 std::optional<FolderContents> look_at_folder(const std::filesystem::path& folder, const std::filesystem::path& root, std::int64_t most,
                                              const FolderContents* before);
 

@@ -81,7 +81,7 @@ bool any_hidden(const Grid& grid) {
   return std::any_of(grid.hidden_cells.begin(), grid.hidden_cells.end(), [](std::uint8_t hidden) { return hidden != 0; });
 }
 
-/// point_of: empty where cell i belongs to point i.
+/// point_of: empty if cell i belongs to point i.
 CellValues values_of(const PointArray& array, const std::vector<std::int64_t>& point_of) {
   CellValues out{array.type, array.values, array.lower, array.upper, array.nan_count, array.storage};
   if (point_of.empty()) return out;

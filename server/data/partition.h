@@ -58,11 +58,11 @@ std::string to_text(const DatasetParts& partition);
 /// Throws bad_data saying what was expected; `name` is for messages.
 DatasetParts parse_partition(const std::string& text, const std::string& name);
 
-/// Of a list of pieces beside which a manifest lies; nothing where there is none, or the name is another one. Throws bad_data.
+/// Of a list of pieces beside which a manifest lies; nothing if there is none, or the name is another one. Throws bad_data.
 std::optional<DatasetParts> find_partition(const std::filesystem::path& list);
 
 /// The part of one region, as take_region gives it with the margin that was written; what is said of the whole is the manifest's. Only its own file
-/// is opened. Throws what open_dataset throws, and bad_data where the piece is another one than the manifest says.
+/// is opened. Throws what open_dataset throws, and bad_data if the piece is another one than the manifest says.
 std::shared_ptr<const Dataset> open_piece(const DatasetParts& partition, const std::filesystem::path& list, int region, const OpenOptions& options, const Task& task);
 
 }  // namespace isostrata

@@ -17,7 +17,7 @@ Size sized(std::uint64_t width, std::uint64_t height) {
   return std::pair(static_cast<int>(width), static_cast<int>(height));
 }
 
-/// `count` bytes from `at`; 0 where they lie beyond the end.
+/// `count` bytes from `at`; 0 if they lie beyond the end.
 std::uint64_t number(const std::string& bytes, std::uint64_t at, int count, bool big_endian) {
   if (at > bytes.size() || bytes.size() - at < static_cast<std::uint64_t>(count)) return 0;
   std::uint64_t value = 0;

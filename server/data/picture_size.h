@@ -7,7 +7,7 @@
 
 namespace isostrata {
 
-/// Columns and rows of a PNG, BMP, PGM, PNM or TIFF file (of its first page); nothing where the file does not say. Reads at most 64 KiB.
+/// Columns and rows of a PNG, BMP, PGM, PNM or TIFF file (of its first page); nothing if the file does not say. Reads at most 64 KiB.
 std::optional<std::pair<int, int>> picture_size(const std::filesystem::path& file);
 
 }  // namespace isostrata

@@ -21,7 +21,7 @@ struct ProxyGrid {
   Vec3d step{};                 // between samples, never negative; 0 along an axis of one sample
   double lower = 0, upper = 0;  // the values that 0 and 1 stand for; those beyond them, which are few and far, are clamped
   bool logarithmic = false;     // between them values run with their logarithm
-  std::vector<float> values;    // [n] in [0, 1]; NaN where there is no cell or no finite value
+  std::vector<float> values;    // [n] in [0, 1]; NaN if there is no cell or no finite value
   std::vector<float> slopes;    // [n] length of the gradient of `values`, per length
   std::array<std::vector<float>, 6>
       beside;                     // [n] the values of the true neighbours at -x, +x, -y, +y, -z, +z; NaN beyond the end
@@ -44,7 +44,7 @@ inline constexpr int kMostProxySamples = 80, kFewestProxySamples = 12;
 
 /// Of a uniform grid every s-th point, with its neighbours in the whole grid, so that slopes and noise are those of the data.
 /// Every other grid is sampled inside its cells, closer than the proxy's samples lie, and each proxy sample gets the mean. That
-/// mean is made of whole numbers, so the result depends neither on the order of cells nor on threads. Empty where the array has
+/// mean is made of whole numbers, so the result depends neither on the order of cells nor on threads. Empty if the array has
 /// no two finite values or the points no finite box. A point whose value is `missing` counts as one that has none; array.lower and array.upper are then
 /// those of the others. O(cells), parallel. Throws cancelled. Any thread.
 ProxyGrid make_proxy(const Dataset& dataset, const PointArray& array, const Task& task, std::optional<double> missing = {});

@@ -42,7 +42,7 @@ std::string vtk_file_attribute(std::string_view head, std::string_view attribute
   return {};
 }
 
-/// Whether the text's first element is this one: before it stand white space, declarations and comments alone. A program that holds the word is no such file.
+/// Whether the text's first element is this one: before it stand white space, declarations and comments alone. A program that holds the word is not such a file.
 bool begins_as_xml(std::string_view head, std::string_view element) {
   const auto skip = [&head](std::size_t count) { head.remove_prefix(std::min(count, head.size())); };
   if (head.starts_with("\xef\xbb\xbf")) skip(3);
@@ -108,7 +108,7 @@ Recognised recognise_folder(const fs::path& folder) {
   throw Error(ErrorCode::bad_data, folder.string() + ": is a directory; expected a file, an OpenFOAM case, a Zarr folder, a plotfile of AMReX, or a folder of DICOM slices");
 }
 
-/// HDF5 may begin with a block of something else, of 512 bytes times a power of two; empty where it does not.
+/// HDF5 may begin with a block of something else, of 512 bytes times a power of two; empty if it does not.
 std::string_view past_user_block(std::string_view head) {
   for (std::size_t at = 512; at + 8 <= head.size(); at *= 2)
     if (head.substr(at, 8) == "\x89HDF\r\n\x1a\n") return head.substr(at);

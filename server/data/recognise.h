@@ -25,7 +25,7 @@ struct ReaderNeeds {
   bool pictures = false;
 };
 
-/// Recognises the file once, of a pattern (file_series.h) its first. Neither where it cannot be told: what is wrong with such a file any reader says.
+/// Recognises the file once, of a pattern (file_series.h) its first. Neither if it cannot be told: what is wrong with such a file any reader says.
 ReaderNeeds reader_needs(const std::filesystem::path& file);
 
 /// Of the reader: any value says ReaderNeeds::pictures.
@@ -34,7 +34,7 @@ inline constexpr const char* kPictureVariable = "ISOSTRATA_PICTURE";
 /// A folder that holds an OpenFOAM case, whole or in parts for processors.
 bool is_openfoam_case(const std::filesystem::path& folder);
 
-/// The name of such a case's folder for all processors together ("processors4", "processors4_0-1"), which OpenFOAM's file handler "collated" writes; empty where there is none.
+/// The name of such a case's folder for all processors together ("processors4", "processors4_0-1"), which OpenFOAM's file handler "collated" writes; empty if there is none.
 std::string collated_folder(const std::filesystem::path& folder);
 
 /// Begins as DICOM files do, or is named as one.

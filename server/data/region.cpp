@@ -82,7 +82,7 @@ Grid grid_of(const Grid& whole, const StructuredPart& part, const Task& task) {
   return grid;
 }
 
-/// As array_of, from what is kept where it is.
+/// As array_of, from what is kept if it is.
 PointArray kept_array_of(const PointArray& whole, const StructuredPart& part, const Task& task) {
   std::string name = "every";
   for (const auto& numbers : {part.step, part.of})

@@ -31,7 +31,7 @@ struct SandboxSupport {
 };
 SandboxSupport sandbox_support();
 
-/// What is missing, for a person: "Landlock (Linux 5.13 or newer), which ..."; empty where nothing is.
+/// What is missing, for a person: "Landlock (Linux 5.13 or newer), which ..."; empty if nothing is.
 std::string missing_of(const SandboxSupport& support);
 
 }  // namespace isostrata

@@ -13,7 +13,7 @@
 
 namespace isostrata {
 
-/// Of the finite values; lower > upper where there is none.
+/// Of the finite values; lower > upper if there is none.
 struct ValueRange {
   double lower = std::numeric_limits<double>::infinity();
   double upper = -std::numeric_limits<double>::infinity();
@@ -53,14 +53,14 @@ class SeriesRanges {
   int steps() const { return static_cast<int>(known_.size()); }
   int known_steps() const { return count_; }
   bool complete() const { return count_ == steps(); }
-  /// The first that is not known; -1 where all are.
+  /// The first that is not known; -1 if all are.
   int next() const;
   const std::vector<ArrayRanges>& arrays() const { return arrays_; }
   /// Of all steps that are known.
   const Box3d& bounds() const { return bounds_; }
-  /// A word for people where one of them has another box: a mesh that moves, a grid that grows, or files that are no steps of one another.
+  /// A word for people where one of them has another box: a mesh that moves, a grid that grows, or files that are not steps of one another.
   std::optional<std::string> note_of_boxes() const;
-  /// The step at which this array spans most, the first of several; 0 where that is not kept.
+  /// The step at which this array spans most, the first of several; 0 if that is not kept.
   int widest_step(std::string_view array) const;
 
  private:

@@ -25,7 +25,7 @@ SourceMapping map_source(int descriptor, std::uint64_t offset, std::uint64_t byt
 /// Whether it lies in such a mapping: then it is the kernel's to keep or to drop, and takes none of our memory. Any thread.
 bool is_in_source(const void* address);
 
-/// What was read of the array's values leaves this process's memory, where they are mapped so; it is read again when it is looked at. Any thread.
+/// What was read of the array's values leaves this process's memory, if they are mapped so; it is read again when it is looked at. Any thread.
 void drop_pages(const PointArray& array);
 
 }  // namespace isostrata

@@ -100,7 +100,7 @@ class Splitter {
     bool forwards = true;  // it walks the edge from the smaller to the larger id
   };
 
-  /// Makes all faces go round the same way: neighbours walk their common edge in opposite directions. False where an edge does not
+  /// Makes all faces go round the same way: neighbours walk their common edge in opposite directions. False if an edge does not
   /// have two faces.
   bool turn_alike() {
     std::map<std::array<std::int64_t, 2>, std::vector<Side>> sides;
@@ -137,7 +137,7 @@ class Splitter {
     return true;
   }
 
-  /// Reads the positions, and turns all faces over where they are seen counter-clockwise from inside.
+  /// Reads the positions, and turns all faces over if they are seen counter-clockwise from inside.
   void turn_outwards() {
     for (const std::int64_t id : out_.points) {
       p_.push_back(position_(id));
@@ -176,7 +176,7 @@ class Splitter {
     return false;
   }
 
-  /// A point joined to `from` by an edge that is not in `face`; itself where there is none.
+  /// A point joined to `from` by an edge that is not in `face`; itself if there is none.
   std::int64_t above(const Cycle& face, std::int64_t from) const {
     for (const Cycle& cycle : cycles_)
       for (std::size_t i = 0; i < cycle.size(); ++i) {
@@ -244,7 +244,7 @@ class Splitter {
     if (inside < -tolerance) out_.kind = SplitKind::overlapping;
   }
 
-  /// How far inside the nearest triangle's plane a point lies; negative where it does not see some triangle from inside.
+  /// How far inside the nearest triangle's plane a point lies; negative if it does not see some triangle from inside.
   static double depth(const std::vector<std::array<Vec3d, 3>>& bases, const Vec3d& c) {
     double least = std::numeric_limits<double>::infinity();
     for (const auto& t : bases) {

@@ -86,7 +86,7 @@ void split_polyhedron(const PolyhedronFaces& faces, const std::function<Vec3d(st
                       const EdgePoints& edge_points, PolyhedronSplit& out);
 
 /// Cuts a polygon into triangles, three ids each, the same for every cell that has it: a fan from the smallest id that has no edge
-/// point beside it and whose fan covers the polygon; else ears, not those of edge points where there are others, begun at the smallest
+/// point beside it and whose fan covers the polygon; else ears, not those of edge points if there are others, begun at the smallest
 /// id towards its smaller neighbour. Each triangle goes round as the polygon does.
 void cut_polygon(std::span<const std::int64_t> cycle, const std::function<Vec3d(std::int64_t)>& position,
                  const EdgePoints& edge_points, std::vector<std::int64_t>& triangles);

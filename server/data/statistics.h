@@ -9,7 +9,7 @@ namespace isostrata {
 
 struct Statistics {
   std::int64_t finite = 0, nan = 0, infinite = 0;  // their sum is the number of points
-  double lower = 0, upper = 0;                     // of the finite values; lower > upper where there is none
+  double lower = 0, upper = 0;                     // of the finite values; lower > upper if there is none
   double mean = 0;
   double standard_deviation = 0;  // of the whole, not of a sample
 };

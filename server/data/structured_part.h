@@ -28,7 +28,7 @@ struct StructuredPart {
 std::pair<PointSpan, std::shared_ptr<const void>> points_of(const PointSpan& whole, const StructuredPart& part, const Task& task);
 /// Everything but the values is the whole's, the range too. Cells come along if the stride is 1.
 PointArray array_of(const PointArray& whole, const StructuredPart& part, const Task& task);
-/// [cells of the part] 1: the cell spans one that is hidden. Empty where the whole hides none. Parallel.
+/// [cells of the part] 1: the cell spans one that is hidden. Empty if the whole hides none. Parallel.
 std::vector<std::uint8_t> hidden_cells_of(const Grid& whole, const StructuredPart& part);
 
 }  // namespace isostrata

@@ -37,7 +37,7 @@ class ValueCurves {
   double area_at(double t) const { return at(area_, t); }
   double strength_at(double t) const { return at(strength_, t); }
   /// Of the pairs of neighbours of which one end lies in {f >= t} (high) or {f <= t}: the share that has both ends there. 1:
-  /// large smooth bodies; noise: about the share of the samples. 0 where there are too few to tell.
+  /// large smooth bodies; noise: about the share of the samples. 0 if there are too few to tell.
   double coherence(double t, bool high) const { return at(high ? coherent_high_ : coherent_low_, t); }
 
   /// The same of the samples at the domain's end alone.

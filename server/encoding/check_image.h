@@ -8,7 +8,7 @@
 
 namespace isostrata {
 
-/// Throws invalid_argument where the sizes are not positive or do not match the pixels. Image or FloatImage.
+/// Throws invalid_argument if the sizes are not positive or do not match the pixels. Image or FloatImage.
 template <class AnyImage>
 void check_image(const AnyImage& image) {
   const auto pixels =

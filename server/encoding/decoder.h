@@ -14,7 +14,7 @@ namespace isostrata {
 class Decoder {
  public:
   virtual ~Decoder() = default;
-  /// The next frame's picture, opaque. Throws unavailable where the bytes cannot be decoded, or no picture comes at once.
+  /// The next frame's picture, opaque. Throws unavailable if the bytes cannot be decoded, or no picture comes at once.
   virtual Image decode(const Bytes& frame) = 0;
 };
 

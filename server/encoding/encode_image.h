@@ -27,7 +27,7 @@ struct PngBand {
 
 /// A lossless picture in pieces, from the top, each of at most max_bytes (one row may be more): what comes meanwhile need not
 /// wait long behind a piece. Deflated on the worker pool. `abandon` is asked before each piece, from any of its threads; once it
-/// says yes, the answer is no band at all.
+/// says yes, no band is returned.
 std::vector<PngBand> encode_png_bands(const Image& image, std::size_t max_bytes, const std::function<bool()>& abandon = {});
 
 /// Lossless WebP, with alpha; about two thirds of a PNG's bytes, several times its time. At most 16383 pixels each way
@@ -36,7 +36,7 @@ Bytes encode_webp(const Image& image);
 
 /// Writes .png, .jpg, .webp, .tif from 8 bits (.jpg lossy, at quality 95; the others lossless)
 /// and .exr from float (R, G, B linear and premultiplied, A, and Z where there is depth). Throws invalid_argument for an unknown
-/// extension (naming those that are known) and unavailable where the file cannot be written.
+/// extension (naming those that are known) and unavailable if the file cannot be written.
 void write_image(const std::filesystem::path& path, const Image& image);
 void write_image(const std::filesystem::path& path, const FloatImage& image);
 bool is_float_format(const std::filesystem::path& path);  // .exr

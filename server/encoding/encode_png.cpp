@@ -56,8 +56,8 @@ Band make_band(const Image& image, int channels, int first_row, int rows, std::s
   return {deflate_raw(filtered), adler32(1, filtered.data(), static_cast<uInt>(filtered.size())), filtered.size()};
 }
 
-/// Rows as parts of one zlib stream: its beginning where they are the first, its end where they are the last. `before`: the
-/// packed row above them, where there is one; adler: the stream's sum so far.
+/// Rows as parts of one zlib stream: its beginning if they are the first, its end if they are the last. `before`: the
+/// packed row above them, if there is one; adler: the stream's sum so far.
 std::vector<Bytes> deflate_rows(const Image& rows, int channels, std::span<const std::uint8_t> before, uLong& adler, bool first,
                                 bool last) {
   const std::size_t row_bytes = static_cast<std::size_t>(rows.width) * static_cast<std::size_t>(channels) + 1;

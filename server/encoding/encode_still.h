@@ -13,7 +13,7 @@ enum class StillFormat {
   png,   // lossless, 8 bits
   jpeg,  // quality 95, 4:4:4
   webp,  // lossless, 8 bits
-  exr    // linear floats, premultiplied, with depth where there is one
+  exr    // linear floats, premultiplied, with depth if there is one
 };
 
 /// "png", "jpeg" or "jpg", "webp", "exr".

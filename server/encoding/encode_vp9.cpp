@@ -14,7 +14,7 @@
 namespace isostrata {
 namespace {
 
-constexpr int kMaxVideoSide = 16384;  // of VP9 65536; more than that is no moving picture
+constexpr int kMaxVideoSide = 16384;  // of VP9 65536; more than that is not a moving picture
 constexpr int kMinKbps = 16, kMaxKbps = 1000000;
 constexpr int kSpeed = 8;
 constexpr int kCyclicRefresh = 3;      // aq-mode: a part of the picture is coded finer in each frame, in turn

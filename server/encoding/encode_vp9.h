@@ -7,7 +7,7 @@
 
 namespace isostrata {
 
-/// Throws unavailable where libvpx was built without VP9's high bit rates of chroma (profile 1).
+/// Throws unavailable if libvpx was built without VP9's high bit rates of chroma (profile 1).
 std::unique_ptr<Encoder> make_vp9_encoder(const EncoderOptions& options);
 
 }  // namespace isostrata

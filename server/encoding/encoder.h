@@ -30,7 +30,7 @@ class Encoder {
 
   /// One picture in, its frame out: nothing is held back and nothing is dropped. The first frame, and the first of another size,
   /// is a key frame. Alpha is ignored by all but PNG. Throws what check_image throws, invalid_argument for an order out
-  /// of range, too_large for a size that the codec cannot hold, unavailable where its library fails.
+  /// of range, too_large for a size that the codec cannot hold, unavailable if its library fails.
   virtual EncodedFrame encode(const Image& image, const EncodeOrder& order) = 0;
   virtual Codec codec() const = 0;
   /// Who does the work: "libvpx v1.12.0", "libjpeg-turbo".
@@ -42,7 +42,7 @@ struct EncoderOptions {
   int threads = 0;                // that the codec itself may start; 0: by picture size and thread_count()
 };
 
-/// Throws unavailable where this build or this machine does not have the codec, saying what was tried.
+/// Throws unavailable if this build or this machine does not have the codec, saying what was tried.
 std::unique_ptr<Encoder> make_encoder(Codec codec, const EncoderOptions& options = {});
 
 /// Codecs for frames in motion that work here, the best first; JPEG is always the last. A video codec is tried on frames when

@@ -33,7 +33,7 @@ class ImageFile {
   std::unique_ptr<Writer> writer_;
 };
 
-/// Throws invalid_argument where no file of this name can hold such a picture (WebP: 16383 pixels a side; JPEG: no alpha).
+/// Throws invalid_argument if no file of this name can hold such a picture (WebP: 16383 pixels a side; JPEG: no alpha).
 void check_image_file(const std::filesystem::path& path, int width, int height, bool alpha);
 
 }  // namespace isostrata

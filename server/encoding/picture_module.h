@@ -6,7 +6,7 @@
 namespace isostrata {
 
 /// Loaded by the first call: beside the program, in lib/isostrata/ beside the program's folder, or where $ISOSTRATA_OIIO says. Throws
-/// unavailable where it cannot be. Any thread.
+/// unavailable if it cannot be. Any thread.
 const PictureModule& picture_module();
 
 }  // namespace isostrata

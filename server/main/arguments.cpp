@@ -65,7 +65,7 @@ double unit(std::string_view part, std::string_view whole, const char* what) {
   return value;
 }
 
-/// One key of a surface's looks. False where it is none.
+/// One key of a surface's looks. False if it is none.
 bool parse_surface(SurfaceStyle& surface, std::string_view key, std::string_view value, std::string_view text) {
   if (key == "surface") {
     surface.lower = surface.upper = surface.domain = false;
@@ -89,7 +89,7 @@ bool parse_surface(SurfaceStyle& surface, std::string_view key, std::string_view
   } else if (key == "silhouette") {
     surface.silhouette = unit(value, text, "silhouette");
   } else if (key == "texture") {
-    surface.texture = value == kStripes ? std::string(value) : color_map(value).name;  // throws where there is none
+    surface.texture = value == kStripes ? std::string(value) : color_map(value).name;  // throws if there is none
   } else if (key == "repeat") {
     surface.texture_repeat = number<double>(value, text, "repeat");
     if (!(surface.texture_repeat > 0 && surface.texture_repeat <= 10000)) refuse(text, "repeat must be in (0, 10000]");
@@ -118,7 +118,7 @@ IntervalArgument parse_interval(std::string_view text, std::size_t index) {
     const auto value = at == std::string_view::npos ? std::string_view{} : parts[i].substr(at + 1);
     if (key == "color") {
       if (value.starts_with("map:"))
-        out.style.color_map = color_map(value.substr(4)).name;  // throws where there is none
+        out.style.color_map = color_map(value.substr(4)).name;  // throws if there is none
       else
         out.style.color = parse_rgb(value);
       out.has_color = true;

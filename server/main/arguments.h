@@ -26,7 +26,7 @@ struct IntervalArgument {
 /// repeat=X; name=TEXT (for the legend). A look of the surface without surface= means both. Throws invalid_argument saying which part of which text.
 IntervalArgument parse_interval(std::string_view text, std::size_t index);
 
-/// A Task that shows a progress line on standard error where that is a terminal, and is cancelled by SIGINT and SIGTERM.
+/// A Task that shows a progress line on standard error if that is a terminal, and is cancelled by SIGINT and SIGTERM.
 /// One per process.
 Task& command_task();
 

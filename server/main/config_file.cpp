@@ -8,7 +8,7 @@
 namespace isostrata {
 namespace {
 
-/// The parser takes any text for a name, so a file that is no configuration at all is told by its first name.
+/// The parser takes any text for a name, so a file that is not a configuration is told by its first name.
 void apply_file(CLI::App& command, const std::string& path) {
   std::ifstream in(path);
   if (!in) throw CLI::ValidationError("--config", path + ": cannot be read");

@@ -7,7 +7,7 @@
 namespace isostrata {
 
 /// Adds --config FILE: lines of TOML, the command's long options without their dashes (`port = 8080`, `data-root = ["a", "b"]`,
-/// `no-auth = true`). What the command line or the environment gives comes first. A name that is no option and a value that the
+/// `no-auth = true`). What the command line or the environment gives comes first. A name that is not an option and a value that the
 /// option does not take are errors (usage, exit status 2) that name the file.
 void add_config_option(CLI::App& command);
 

@@ -38,11 +38,11 @@ struct Findings {
   std::vector<LoadedLibrary> egl;
   std::vector<GraphicsCard> cards;
   std::vector<std::string> unused;  // cards that are here and do not draw, with the reason
-  std::string device;         // what auto takes; empty where nothing can draw
+  std::string device;         // what auto takes; empty if nothing can draw
   std::string device_detail;  // or why nothing can
   bool software = false;
-  std::string trial;    // how raster and compute compare there; empty where no trial was held
-  std::string compute;  // why extraction does not work on the device; empty where it does
+  std::string trial;    // how raster and compute compare there; empty if no trial was held
+  std::string compute;  // why extraction does not work on the device; empty if it does
   WorkerProbe worker;
   std::vector<CodecProbe> codecs;
   Importer importer;
@@ -56,7 +56,7 @@ Importer find_importer() {
   return {path.string(), access(path.c_str(), X_OK) == 0};
 }
 
-/// The memory that this process's control group may use; 0 where there is no limit.
+/// The memory that this process's control group may use; 0 if there is no limit.
 std::int64_t control_group_limit() {
   for (const char* file : {"/sys/fs/cgroup/memory.max", "/sys/fs/cgroup/memory/memory.limit_in_bytes"}) {
     std::ifstream in(file);

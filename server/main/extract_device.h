@@ -18,7 +18,7 @@ struct ExtractDevice {
 void add_device_option(CLI::App& command, ExtractDevice& device);
 
 /// What extract_layers calls. cpu: nothing, so extract_intervals. A named device: extracts there or throws. auto: a GPU where
-/// there is one; what it cannot do, and everything where there is none, is done by extract_intervals, with a word on standard
+/// there is one; what it cannot do, and everything if there is none, is done by extract_intervals, with a word on standard
 /// error for what a GPU refused. `device` must outlive what is returned.
 Extractor device_extractor(ExtractDevice& device);
 

@@ -26,13 +26,13 @@ std::int64_t hidden_cells(const Grid& grid) {
   return std::count_if(grid.hidden_cells.begin(), grid.hidden_cells.end(), [](std::uint8_t hidden) { return hidden != 0; });
 }
 
-/// null where there is no finite value: JSON has no NaN.
+/// null if there is no finite value: JSON has no NaN.
 json::value range_json(const ValueRange& range) {
   if (range.empty()) return nullptr;
   return json::array{range.lower, range.upper};
 }
 
-/// Of the dataset's step, and of all others where that is wanted; notes say which could not be read.
+/// Of the dataset's step, and of all others if that is wanted; notes say which could not be read.
 SeriesRanges read_ranges(const Dataset& dataset, const std::string& file, bool all_steps, std::vector<std::string>& notes) {
   SeriesRanges ranges(dataset);
   while (all_steps && !ranges.complete()) {

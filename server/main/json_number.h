@@ -6,7 +6,7 @@
 
 namespace isostrata {
 
-/// "inf", "-inf" or "nan" where it is not finite.
+/// "inf", "-inf" or "nan" if it is not finite.
 inline boost::json::value json_number(double value) {
   if (std::isfinite(value)) return value;
   return std::isnan(value) ? "nan" : value > 0 ? "inf" : "-inf";

@@ -36,7 +36,7 @@ struct Measured {
   std::vector<Interval> intervals;  // of the rows' intervals
   Components components;
   std::vector<LayerMeasure> rows;
-  std::vector<double> errors;  // [intervals] of the volumes, where they can be told
+  std::vector<double> errors;  // [intervals] of the volumes, if they can be told
 };
 
 Measured measure(LayerRequest request, const StepSource& steps, bool by_component, bool warn = true) {
@@ -92,7 +92,7 @@ void print_csv_head(const std::vector<std::string>& names) {
   std::printf("\n");
 }
 
-/// A number, or nothing where there is none.
+/// A number, or nothing if there is none.
 void print_csv(double value) {
   if (std::isfinite(value))
     std::printf(",%.17g", value);

@@ -26,13 +26,13 @@ struct ModeArguments {
 void add_mode_options(CLI::App& command, ModeArguments& arguments);
 
 /// Sets the scene's mode, integral, texture, steps or times of a smear, phase and range of colours; and with --transfer its intervals, of the values of
-/// `array`. Throws invalid_argument where options do not go together, and what read_transfer throws.
+/// `array`. Throws invalid_argument if options do not go together, and what read_transfer throws.
 void set_modes(Scene& scene, const ModeArguments& arguments, const PointArray& array);
 
 /// "0.5,1.25". Throws invalid_argument.
 std::vector<double> parse_times(const std::string& text);
 
-/// "0,2,5" or "FIRST:LAST" or "FIRST:LAST:STRIDE", the last included where it is met. Throws invalid_argument.
+/// "0,2,5" or "FIRST:LAST" or "FIRST:LAST:STRIDE", the last included if it is met. Throws invalid_argument.
 std::vector<int> parse_steps(const std::string& text);
 
 /// The name of picture `index` of several: "%d" or "%03d" in it becomes the number; exactly one must stand there. Throws

@@ -15,7 +15,7 @@ namespace isostrata {
 std::array<int, 2> parse_size(std::string_view text, std::string_view what = "size");
 
 /// Scene intervals from --interval texts. Without any: four equal parts of the array's range in red, green, blue and yellow (the
-/// paper's Figure 4a). Throws invalid_argument; not_found where the array has no finite value.
+/// paper's Figure 4a). Throws invalid_argument; not_found if the array has no finite value.
 std::vector<SceneInterval> parse_intervals(const std::vector<std::string>& texts, const Dataset& dataset,
                                            const PointArray& array);
 

@@ -35,7 +35,7 @@ std::vector<std::string> without_ranks(const std::vector<std::string>& arguments
   return rest;
 }
 
-/// Starts the words and waits for their end; nothing where they could not be started.
+/// Starts the words and waits for their end; nothing if they could not be started.
 int run_words(std::vector<std::string>& words) {
   std::vector<char*> argv;
   for (std::string& word : words) argv.push_back(word.data());

@@ -16,7 +16,7 @@ SceneRanks* ranks_in_use();  // null in `isostrata` itself
 /// What main() was called with, for --ranks to hand on.
 void set_command_line(int argc, char** argv);
 
-/// "mpirun -n 4" -> words, by the quotes of a shell. Throws invalid_argument where there is none.
+/// "mpirun -n 4" -> words, by the quotes of a shell. Throws invalid_argument if there is none.
 std::vector<std::string> launcher_words(const std::string& launcher);
 /// isostrata-rank beside this program. Throws unavailable, saying what a build needs to have it.
 std::string rank_program();

@@ -133,7 +133,7 @@ void choose_sandbox(bool open_to_others, ServerLog& log) {
 
 std::string or_nothing(const std::string& shut_in) { return shut_in.empty() ? "nothing" : shut_in; }
 
-// The process that draws first, where it is not the server's; it may be replaced (/api/v1/engine).
+// The process that draws first, if it is not the server's; it may be replaced (/api/v1/engine).
 json::value worker_of(const Server& server) {
   const EngineFacts facts = server.engine().facts();
   return facts.own_process ? json::value(facts.process) : json::value(nullptr);

@@ -9,7 +9,7 @@
 
 namespace isostrata {
 
-/// Of the command and those below it; obeyed before the command's callback. What is no level is wrong usage.
+/// Of the command and those below it; obeyed before the command's callback. What is not a level is wrong usage.
 inline void add_simd_option(CLI::App& command) {
   const auto use = [](const std::string& level) {
     try {

@@ -23,7 +23,7 @@ namespace {
 
 constexpr int kFirstPassed = 3;  // SD_LISTEN_FDS_START
 
-/// The variable's value, which is then gone; empty where there is none.
+/// The variable's value, which is then gone; empty if there is none.
 std::string take(const char* name) {
   const char* value = std::getenv(name);
   std::string text = value ? value : "";
@@ -87,7 +87,7 @@ std::optional<PassedSocket> passed_socket() {
 
 namespace {
 
-/// A datagram socket that is connected to a path, or to an abstract name that is written with @; -1 where nobody is there.
+/// A datagram socket that is connected to a path, or to an abstract name that is written with @; -1 if nobody is there.
 int connected_to(const std::string& address) {
   sockaddr_un to{};
   if (address.empty() || address.size() >= sizeof to.sun_path || (address[0] != '/' && address[0] != '@')) return -1;
@@ -115,7 +115,7 @@ ServiceManager::~ServiceManager() {
 }
 
 void ServiceManager::tell(const std::string& state) const {
-  // Nobody else can be told where it does not listen.
+  // Nobody else can be told if it does not listen.
   if (line_ >= 0) [[maybe_unused]] const ssize_t sent = send(line_, state.data(), state.size(), MSG_DONTWAIT | MSG_NOSIGNAL);
 }
 

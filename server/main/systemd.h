@@ -12,13 +12,13 @@ namespace isostrata {
 /// Listens already. Whoever gave it keeps it: a Unix socket's file is not ours to remove.
 struct PassedSocket {
   int descriptor = -1;
-  std::string host;            // the address that it is bound to; empty where it is a Unix socket
+  std::string host;            // the address that it is bound to; empty if it is a Unix socket
   unsigned short port = 0;     // likewise
   std::filesystem::path path;  // of a Unix socket; else empty
 };
 
 /// That of $LISTEN_FDS, where $LISTEN_PID is this process. Takes both out of the environment, and the descriptor out of the hands of the
-/// programs that this one starts. Throws invalid_argument where there are several, or it is no stream socket that listens. Before
+/// programs that this one starts. Throws invalid_argument if there are several, or it is not a stream socket that listens. Before
 /// there are threads.
 std::optional<PassedSocket> passed_socket();
 
@@ -33,7 +33,7 @@ class ServiceManager {
 
   /// How often it wants to hear that this process is alive: half of what it waits; 0: it does not.
   std::chrono::milliseconds pulse() const { return pulse_; }
-  /// `state` as sd_notify(3) lists: "READY=1\nSTATUS=...", "WATCHDOG=1". Does nothing where there is none, and never waits. Any thread.
+  /// `state` as sd_notify(3) lists: "READY=1\nSTATUS=...", "WATCHDOG=1". Does nothing if there is none, and never waits. Any thread.
   void tell(const std::string& state) const;
 
  private:

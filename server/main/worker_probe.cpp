@@ -43,7 +43,7 @@ class Answers {
     }
     came_.notify_all();
   }
-  /// Throws what the engine says instead of a frame, and unavailable where it says nothing in time.
+  /// Throws what the engine says instead of a frame, and unavailable if it says nothing in time.
   FrameReady frame_of(RequestId request) {
     std::unique_lock lock(mutex_);
     std::optional<FrameReady> frame;

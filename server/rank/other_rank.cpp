@@ -120,7 +120,7 @@ class OtherRank {
     return true;
   }
 
-  /// Why there is none is thrown where it is to draw.
+  /// Why there is none is thrown if it is to draw.
   bool has_renderer() {
     try {
       if (!renderer_) renderer_ = make_renderer({setup_.renderer, setup_.device});

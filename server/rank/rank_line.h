@@ -19,7 +19,7 @@ namespace isostrata {
 /// ranks have one thread that calls.
 class RankLine {
  public:
-  /// Starts MPI. All ranks. Throws unavailable where the ranks run different builds of this program, MPI forbids threads, or it does not join what the launcher has started.
+  /// Starts MPI. All ranks. Throws unavailable if the ranks run different builds of this program, MPI forbids threads, or it does not join what the launcher has started.
   RankLine(int& argc, char**& argv);
   ~RankLine();
   RankLine(const RankLine&) = delete;

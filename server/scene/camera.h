@@ -20,7 +20,7 @@ struct Camera {
 /// Half of what is seen vertically, in world units, at the distance of `at`: what an orthographic camera sees everywhere.
 double half_height(const Camera& camera);
 
-/// Throws invalid_argument where eye == at, up is parallel to the view, fov is not in (0, 180), or a number is not finite.
+/// Throws invalid_argument if eye == at, up is parallel to the view, fov is not in (0, 180), or a number is not finite.
 void check(const Camera& camera);
 
 /// Looks at the whole box from a named side: "reset" (a three-quarter view), "+x", "-x", "+y", "-y", "+z", "-z". aspect: the

@@ -1,6 +1,6 @@
 // The colour maps that are built in, as splines fitted to the published tables of 256 colours (the greatest error made small), so
 // that they bend smoothly: steps of a table's last digit would be kinks, which exact integrals have to stop at. Within 1.1/255 of
-// the published entries (tested against the published tables where they are at hand).
+// the published entries (tested against the published tables if they are at hand).
 //
 // viridis, plasma, inferno, magma: Nathaniel Smith and Stefan van der Walt, mpl-colormaps, CC0 1.0 (public domain).
 //

@@ -9,7 +9,7 @@ namespace isostrata {
 /// Where a logarithmic range begins that the data would begin at 0 or below: at this share of its upper end, as ParaView has it.
 inline constexpr double kLogFloor = 1e-4;
 
-/// ColorSpan::all_steps becomes these numbers, of the color-by array; where there are none (lower > upper), the step's.
+/// ColorSpan::all_steps becomes these numbers, of the color-by array; if there are none (lower > upper), the step's.
 ColorRange resolved(ColorRange range, double lower, double upper);
 
 /// An interval whose colours run with the logarithm becomes touching ones over each of which the value grows no more than

@@ -58,7 +58,7 @@ struct ColorRange {
 struct SceneSmear {
   std::vector<int> steps;     // in the order they are painted; empty: the scene's step alone
   std::vector<Rgb> colors;    // of the steps or times; beyond their number default_interval_color
-  std::vector<double> times;  // in place of steps, where there are any; between two steps Scene::time_mode says what is shown
+  std::vector<double> times;  // in place of steps, if there are any; between two steps Scene::time_mode says what is shown
 
   bool operator==(const SceneSmear&) const = default;
 };
@@ -87,7 +87,7 @@ struct SceneInterval {
   bool own_range = false;  // colour and opacity run from `lower` to `upper`, not over the colour array's whole range
   SurfaceStyle surface;    // its texture runs over the whole range of Scene::texture
   std::string name;        // for the legend; may be empty
-  std::uint32_t number = 0;  // it is called by where it has no name; from 1, unique in the scene, free again once it is gone
+  std::uint32_t number = 0;  // it is called by if it has no name; from 1, unique in the scene, free again once it is gone
   // Of a part that drawn_scene made of an interval whose colours run with the logarithm: that interval's ends.
   std::optional<Interval> whole;
   // Not empty: how it looks, in place of colour, map and opacities; from `lower` at its first point to `upper` at its last one.
@@ -102,7 +102,7 @@ struct SceneInterval {
 struct SceneTerm {
   RangeTerm term;
   std::optional<Rgb> color;  // also in place of the first interval's colour map
-  std::string color_map;     // empty: the constant colour, or the first interval's map where there is no colour either
+  std::string color_map;     // empty: the constant colour, or the first interval's map if there is no colour either
   std::optional<double> opacity;
   std::optional<int> priority;
   bool visible = true;  // of what it brings in

@@ -35,7 +35,7 @@ std::string format_rgb(const Rgb& rgb);
 /// The colour that a new interval gets: red, green, blue, yellow, then further distinct ones.
 Rgb default_interval_color(std::size_t index);
 
-inline constexpr std::string_view kStripes = "stripes";  // a texture that is no colour map: dark stripes on the surface's colour
+inline constexpr std::string_view kStripes = "stripes";  // a texture that is not a colour map: dark stripes on the surface's colour
 
 /// How an interval's boundary surfaces look. A surface lies where its interval ends, in the right order with the volume.
 struct SurfaceStyle {

@@ -94,7 +94,7 @@ std::vector<IsoSimplex> interval_case(const LatticeCell& cell, std::int64_t case
   const int d = cell.dimension + 1;
 
   // The isosurface's facets have no cell vertex: near one, the hull is the lifted cell itself. Of the others, those inside a
-  // facet of the lifted cell are no part of it.
+  // facet of the lifted cell are not part of it.
   const std::vector<FaceMask> masks = face_masks(cell);
   std::vector<IsoSimplex> simplices;
   std::vector<std::pair<std::array<std::int64_t, kMaxLatticeDimension>, std::int64_t>> planes;

@@ -129,7 +129,7 @@ class PlacingHull {
     return row;
   }
 
-  /// A coordinate that, with those in use, shows that point p is outside the affine hull so far; -1 where p is inside it.
+  /// A coordinate that, with those in use, shows that point p is outside the affine hull so far; -1 if p is inside it.
   int leaving_coordinate(int p) const {
     for (int c = 0; c < dimension_; ++c) {
       if (std::find(coordinates_.begin(), coordinates_.begin() + k_, c) != coordinates_.begin() + k_) continue;

@@ -18,8 +18,8 @@ struct ReachablePlaces {
 /// which inherits all of it. No socket is opened, nobody is connected to, no other program is started. For the thread that calls and
 /// those that it starts, so call it before there are any.
 ///
-/// Returns what holds, for people: "Landlock 6 and seccomp"; empty where nothing does, since --sandbox is off or the kernel has neither. Throws
-/// unavailable where --sandbox is require and something is missing.
+/// Returns what holds, for people: "Landlock 6 and seccomp"; empty if nothing does, since --sandbox is off or the kernel has neither. Throws
+/// unavailable if --sandbox is require and something is missing.
 std::string confine_worker(const ReachablePlaces& reach);
 
 /// For the process that listens: its reach, and of the system what says how much memory there is. It starts no program and makes no

@@ -63,7 +63,7 @@ void hand_over(int to, int socket, int board) {
   if (send_passing(to, &byte, 1, {socket, board}) != 1) throw_system_error("the first rank cannot be given its socket", errno);
 }
 
-/// Nothing where the job ended first; then `status` is how.
+/// Nothing if the job ended first; then `status` is how.
 Descriptor wait_for_first_rank(int listening, pid_t job, int& status) {
   for (;;) {
     pollfd look{listening, POLLIN, 0};

@@ -26,7 +26,7 @@ MessageBytes to_bytes(const FromWorker& message);
 MessageBytes to_bytes(const RankOrder& message);
 MessageBytes to_bytes(const RankReply& message);
 
-/// Throw bad_data where the bytes are no such message: too short, too long, a bool, an enum or an alternative that is none.
+/// Throw bad_data if the bytes are not such a message: too short, too long, a bool, an enum or an alternative that is none.
 ToWorker to_worker(const MessageBytes& bytes);
 FromWorker from_worker(const MessageBytes& bytes);
 RankOrder to_rank_order(const MessageBytes& bytes);

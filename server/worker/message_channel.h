@@ -1,5 +1,5 @@
 // One end of the line between the server and a worker process: whole messages over a Unix stream socket. A message is a header of
-// fixed size, its body, and its picture: behind the body where it is small, else in an anonymous memory file whose descriptor
+// fixed size, its body, and its picture: behind the body if it is small, else in an anonymous memory file whose descriptor
 // travels with the header, so that the socket's buffer does not set the pace.
 #pragma once
 
@@ -24,9 +24,9 @@ class MessageChannel {
   /// Both ends, closed on exec. Throws unavailable.
   static std::pair<Descriptor, Descriptor> make_pair();
 
-  /// Waits until the message is on its way. Throws unavailable where the other side is gone, too_large.
+  /// Waits until the message is on its way. Throws unavailable if the other side is gone, too_large.
   void send(const MessageBytes& message);
-  /// Waits for a message; nothing once the other side is gone. Throws bad_data (what comes is no message), unavailable.
+  /// Waits for a message; nothing once the other side is gone. Throws bad_data (what comes is not a message), unavailable.
   std::optional<MessageBytes> receive();
   /// Ends both directions: a send or receive that waits returns.
   void shut_down();

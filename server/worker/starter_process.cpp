@@ -38,7 +38,7 @@ struct Packet {
   std::vector<Descriptor> passed;
 };
 
-/// False where the other side is gone.
+/// False if the other side is gone.
 bool send(int line, const std::string& text, std::initializer_list<int> pass) {
   return send_passing(line, text.data(), text.size(), pass) == static_cast<ssize_t>(text.size());
 }
@@ -84,7 +84,7 @@ void write_whole(const fs::path& path, const std::string& text) {
   throw_system_error(path.string() + ": the ready file cannot be written", why);
 }
 
-/// The helper's answer, its head taken off. Throws what it says, and unavailable where it is gone.
+/// The helper's answer, its head taken off. Throws what it says, and unavailable if it is gone.
 Packet ask(int line, const std::string& text, std::initializer_list<int> pass) {
   Packet said;
   if (send(line, text, pass)) said = receive(line);

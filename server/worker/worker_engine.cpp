@@ -274,7 +274,7 @@ class WorkerEngine::Impl {
     send(std::move(events));
   }
 
-  /// The pause before the next worker, where there has been one that could draw; false where none is wanted any more.
+  /// The pause before the next worker, where there has been one that could draw; false if none is wanted any more.
   bool rest() {
     std::unique_lock lock(mutex_);
     auto pause = started_once_ ? history_.pause() : milliseconds(0);

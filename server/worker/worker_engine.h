@@ -20,7 +20,7 @@ struct WorkerOptions {
   WorkerPlan plan;                     // of those that this process starts
   std::shared_ptr<Launcher> launcher;  // who starts them in its place; empty: this process
   int threads = 0;                               // as set_thread_count, in the worker
-  // Without a sign of life from the thread that draws, where it is idle or draws by loops of ours; what a device draws gets more
+  // Without a sign of life from the thread that draws, if it is idle or draws by loops of ours; what a device draws gets more
   // by its size (Activity::patience). Other threads have six times as long.
   std::chrono::milliseconds soft_limit{2000};   // viewers are told, and may give the worker up
   std::chrono::milliseconds hard_limit{10000};  // it is killed
@@ -34,7 +34,7 @@ struct WorkerOptions {
 class WorkerEngine final : public FrameEngine {
  public:
   /// Waits for the first worker that can draw. Of `engine`, `renderer`, `fallback_renderer` and `board` are not looked at.
-  /// Throws what the worker's engine throws (no device can draw, words that are none), and unavailable where workers die at once.
+  /// Throws what the worker's engine throws (no device can draw, words that are none), and unavailable if workers die at once.
   WorkerEngine(EngineOptions engine, WorkerOptions worker, Sink sink);
   /// Ends the worker; no event comes afterwards.
   ~WorkerEngine() override;

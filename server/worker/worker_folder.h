@@ -11,7 +11,7 @@ namespace isostrata {
 /// Below $TMPDIR or /tmp, and gone with its owner. A lock on it says that the owner lives.
 class WorkerFolder {
  public:
-  /// Makes the place it lies in where that is gone. Throws unavailable.
+  /// Makes the place it lies in if that is gone. Throws unavailable.
   WorkerFolder();
   /// Whether it is still there: whoever cleans $TMPDIR may have taken it.
   bool exists() const;

@@ -69,7 +69,7 @@ class WorkerProcess {
 
 /// For the worker itself, first of all: arranges that it ends with its parent, outlives the signals that a terminal or a batch
 /// system sends to all processes of a job (the server ends it in time), and is the one that the kernel takes where memory runs
-/// out. False where the parent is gone already.
+/// out. False if the parent is gone already.
 bool become_worker(pid_t parent);
 
 }  // namespace isostrata

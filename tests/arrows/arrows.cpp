@@ -71,7 +71,7 @@ class Checker {
     for (const auto& entry : fs::directory_iterator(root_ / "server"))
       if (const auto name = entry.path().filename().string();
           entry.is_directory() && name != "import" && rank_of(name) == kNoRoom)
-        complain(entry.path(), 0, "is no room");
+        complain(entry.path(), 0, "is not a room");
     std::vector<std::string> with_folders = rooms();
     with_folders.push_back("import");
     for (const std::string& room : with_folders)
@@ -134,7 +134,7 @@ class Checker {
       complain(file, include.line, room + "/" + *from + " may not include " + room + "/" + *to + ": " + include.path);
   }
 
-  // Two types of one name that differ are no error to a linker, which keeps the code of one for both.
+  // Two types of one name that differ are not an error to a linker, which keeps the code of one for both.
   void note_types(const fs::path& file) {
     static const std::regex scope(R"re(^namespace ([\w:]+) \{)re"),
         type(R"re(^(?:struct|class) (\w+)(?: final)?(?: : [^;]+)? \{)re");

@@ -130,7 +130,7 @@ TEST_F(Arrows, TheImportChildReachesDataAndNoFurther) {
 TEST_F(Arrows, AnUnknownRoomIsRefused) {
   write("server/core/thing.h", "#pragma once\n");
   write("server/main/main.cpp", "#include \"core/thing.h\"\n");
-  EXPECT_THAT(broken_arrows(root_), ElementsAre("server/core: is no room", "server/main/main.cpp:1: no such room: core/thing.h"));
+  EXPECT_THAT(broken_arrows(root_), ElementsAre("server/core: is not a room", "server/main/main.cpp:1: no such room: core/thing.h"));
 }
 
 TEST_F(Arrows, NamesThatSayNothingAreRefused) {

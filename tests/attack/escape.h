@@ -23,7 +23,7 @@ struct Who {
   std::vector<std::string> words;
 };
 
-/// This user and, where this is root, another one.
+/// This user and, if this is root, another one.
 inline std::vector<Who> users() {
   std::vector<Who> out{{geteuid() == 0 ? "as root" : "as this user", {}}};
   if (geteuid() == 0) out.push_back({"as nobody", {"nobody"}});

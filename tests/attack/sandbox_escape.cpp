@@ -117,7 +117,7 @@ long bound() {
   return end < 0 ? -1 : bind(end, reinterpret_cast<sockaddr*>(&name), sizeof name);
 }
 
-/// To a port of this machine where nobody listens: "done" is a connection that was tried.
+/// To a port of this machine if nobody listens: "done" is a connection that was tried.
 long connected() {
   sockaddr_in name{};
   name.sin_family = AF_INET;

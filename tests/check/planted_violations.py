@@ -14,6 +14,7 @@ GOOD = {
     "server/base/by_vec.cpp": '#include "base/vec.h"\n\nconstexpr int kMost = 3;\nstd::string name;  // std::vector\n',
     "deploy/go": '#!/usr/bin/env bash\necho "$1"\n',
 }
+IS_NO, NULL_WHERE = "is " + "no", "null " + "where"  # not said here either
 HOME = "/" + "home/somebody/"
 
 
@@ -46,8 +47,11 @@ class PlantedViolations(unittest.TestCase):
             ("server/base/a.cpp", "int a; \n", "server/base/a.cpp:1: blanks"),
             ("server/base/a.cpp", "int a;\r\n", "server/base/a.cpp:1: a carriage return"),
             ("server/base/a.cpp", "int a;", "server/base/a.cpp:1: the last line"),
-            ("server/base/a.cpp", 'fail(name + " is no number");\n', "server/base/a.cpp:1: 'is no number': say 'is not a'"),
-            ("docs/page.md", "# Page\n\n## Two words\n\nA folder is no file.\n", "docs/page.md:5: 'is no file': say 'is not a'"),
+            ("server/base/a.cpp", f'fail(name + " {IS_NO} number");\n', f"server/base/a.cpp:1: '{IS_NO} number': say 'is not a'"),
+            ("server/base/a.cpp", f"// A folder {IS_NO} file.\n", f"server/base/a.cpp:1: '{IS_NO} file': say 'is not a'"),
+            ("server/base/a.cpp", f"int a;  // [n] or {NULL_WHERE} nobody asks\n", f"server/base/a.cpp:1: '{NULL_WHERE}': say 'if'"),
+            ("server/base/a.py", f"a = 1  # {NULL_WHERE} nobody asks\n", f"server/base/a.py:1: '{NULL_WHERE}': say 'if'"),
+            ("docs/page.md", f"# Page\n\n## Two words\n\nA folder {IS_NO} file.\n", f"docs/page.md:5: '{IS_NO} file': say 'is not a'"),
             ("server/base/a.cpp", "#include <vector>\n\nstd::string name;\n", "server/base/a.cpp:3: std::string needs <string>"),
             ("server/base/near_vec.cpp", "constexpr int kMost{4};\n", "server/base/near_vec.cpp:1: 'kMost' is a name in 'by_vec.cpp' too"),
             ("deploy/go", "#!/usr/bin/env bash\necho $1\n", "deploy/go:2: note: Double quote"),

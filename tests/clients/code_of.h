@@ -7,7 +7,7 @@
 
 namespace isostrata::testing {
 
-/// The code of the ClientError that the call throws; empty where it throws none.
+/// The code of the ClientError that the call throws; empty if it throws none.
 template <class Call>
 std::string code_of(const Call& call) {
   try {

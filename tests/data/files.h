@@ -50,7 +50,7 @@ inline std::string gzip(const std::string& in) {
   return out;
 }
 
-/// The Error that opening ends with; fails the test where it does not.
+/// The Error that opening ends with; fails the test if it does not.
 inline Error refusal(const std::filesystem::path& file, const OpenOptions& options = {}) {
   try {
     open_dataset(file.string(), options, Task());

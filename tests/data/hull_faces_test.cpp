@@ -51,7 +51,7 @@ TEST(HullFaces, AreWholePolygonsOfTurnedSolids) {
   }
 }
 
-/// The volume inside faces that are closed: every edge is in two of them, once each way. -1 where they are not.
+/// The volume inside faces that are closed: every edge is in two of them, once each way. -1 if they are not.
 double volume_inside(const std::vector<Vec3d>& points) {
   std::vector<std::int64_t> ids(points.size());
   std::iota(ids.begin(), ids.end(), 0);

@@ -122,7 +122,7 @@ TEST(GroupByNumber, WhetherADotIsOfADecimalTheWholeGroupSays) {
     return names;
   };
   const auto first_members = [&](std::initializer_list<const char*> numbers) { return group_by_number(named(numbers)).front().members; };
-  // Counters: 1.10 beside 1.1 is no decimal; neither are numbers that count in equal steps behind the dot and are not evenly spaced with it.
+  // Counters: 1.10 beside 1.1 is not a decimal; neither are numbers that count in equal steps behind the dot and are not evenly spaced with it.
   EXPECT_EQ(grouped(named({"1.9", "1.10", "1.11"})), (Groups{{"t_1.*.vtk", 3}}));
   EXPECT_EQ(first_members({"1.9", "1.10", "1.11"}).back(), "t_1.11.vtk");
   EXPECT_EQ(grouped(named({"1.5", "1.15", "1.25", "2.5", "2.15", "2.25"})), (Groups{{"t_1.*.vtk", 3}, {"t_2.*.vtk", 3}}));
@@ -158,7 +158,7 @@ TEST(GroupByNumber, AMinusAndAnExponentAreOfTheNumber) {
     for (const SeriesFile& file : series_files(scratch / "t_*.vtk")) found.push_back(file.path.filename().string());
     EXPECT_EQ(found, members);
   }
-  // A hyphen, and letters that are no exponent.
+  // A hyphen, and letters that are not an exponent.
   EXPECT_EQ(group_by_number({"run-1.vtk", "run-2.vtk"}).front().name, "run-*.vtk");
   EXPECT_EQ(group_by_number({"x_1e3.vtk", "x_2e3.vtk"}).front().name, "x_*e3.vtk");
   EXPECT_EQ(group_by_number({"a_2020-01-31.vtk", "a_2020-02-01.vtk"}).front().name, "a_2020-*-*.vtk");

@@ -12,7 +12,7 @@ afterAll(() => rmSync(folder, { recursive: true, force: true }));
 const bluntfin = join(dataFolder, 'plot3d_bluntfin', 'bluntfinxyz.bin');
 const grids = [
   { name: 'a bent channel', grid: writePlot3d(folder, 'channel', [33, 17, 13]) },
-  ...(existsSync(bluntfin) ? [{ name: 'the blunt fin', grid: bluntfin }] : []), // others' data, where it is there
+  ...(existsSync(bluntfin) ? [{ name: 'the blunt fin', grid: bluntfin }] : []), // others' data, if it is there
 ];
 
 test.each(grids)('four layers of $name in red, green, blue and yellow', async ({ grid }) => {

@@ -33,7 +33,7 @@ export class Server {
     readonly options: ServerOptions,
   ) {}
 
-  /** Rejects with the server's own words where it does not come up within a minute. */
+  /** Rejects with the server's own words if it does not come up within a minute. */
   static async start(options: ServerOptions): Promise<Server> {
     if (!existsSync(binary)) throw new Error(`${binary} is not there: build it, or set ISOSTRATA_BIN_DIR`);
     const webRoot = join(repository, 'web', 'dist');
@@ -69,7 +69,7 @@ export class Server {
     return this.child.exitCode === null && this.child.signalCode === null;
   }
 
-  /** Throws with the server's last words where it has died on its own. */
+  /** Throws with the server's last words if it has died on its own. */
   checkAlive(): void {
     if (this.alive) return;
     const how = this.child.signalCode ?? `status ${this.child.exitCode}`;

@@ -32,7 +32,7 @@ class Screencast {
     await cdp.send('Page.startScreencast', { format: 'jpeg', quality: 90, maxWidth: size.width, maxHeight: size.height });
     return cast;
   }
-  /** The film's path; null where there is no ffmpeg, and the shots are left as they are. */
+  /** The film's path; null if there is no ffmpeg, and the shots are left as they are. */
   async end(): Promise<string | null> {
     await this.cdp.send('Page.stopScreencast');
     await this.cdp.detach(); // what it has shown and not yet told is let go

@@ -1,4 +1,4 @@
-// Frames in motion as video in a real browser: what is negotiated, what becomes of colours, and what happens where it cannot be decoded.
+// Frames in motion as video in a real browser: what is negotiated, what becomes of colours, and what happens if it cannot be decoded.
 import type { Browser } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, test } from 'vitest';
 import type { Frame } from '../../web/src/lib/told';

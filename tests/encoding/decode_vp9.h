@@ -23,7 +23,7 @@ class Vp9Decoder {
   Vp9Decoder(const Vp9Decoder&) = delete;
   Vp9Decoder& operator=(const Vp9Decoder&) = delete;
 
-  /// One frame in, its picture out; throws where it cannot be decoded or the picture does not come at once.
+  /// One frame in, its picture out; throws if it cannot be decoded or the picture does not come at once.
   Image decode(const Bytes& bytes) {
     if (vpx_codec_decode(&context_, bytes.data(), static_cast<unsigned>(bytes.size()), nullptr, 0) != VPX_CODEC_OK)
       throw std::runtime_error(std::string("VP9: ") + vpx_codec_error(&context_));
@@ -52,7 +52,7 @@ class Vp9Decoder {
 };
 
 struct Difference {
-  double psnr = 0;  // over R, G and B; 99 where they are equal
+  double psnr = 0;  // over R, G and B; 99 if they are equal
   int max = 0;
 };
 

@@ -74,7 +74,7 @@ class ServeCommand : public ::testing::Test {
   }
   int run(const std::string& program, std::vector<std::string> arguments) { return end_of(start(program, std::move(arguments))); }
 
-  /// Starts a server and reads its ready file; false where no device on this machine can draw.
+  /// Starts a server and reads its ready file; false if no device on this machine can draw.
   bool serve(std::vector<std::string> arguments, const std::string& port = "0") {
     fs::remove(ready());
     arguments.insert(arguments.begin(), "serve");
@@ -227,7 +227,7 @@ class Asked {
     socket_.send(method + " /api/v1/" + path + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\nAuthorization: Bearer " + token +
                  "\r\nContent-Length: " + std::to_string(body.size()) + "\r\n\r\n" + body);
   }
-  /// The answer's body; null where the status is another one.
+  /// The answer's body; null if the status is another one.
   json::value answer(int status) {
     const std::string all = socket_.read_all(nullptr, 20000);
     if (all.find(" " + std::to_string(status) + " ") != 8) {

@@ -91,7 +91,7 @@ class Manager : public ::testing::Test {
   }
   std::string errors() const { return read_text(folder_ / "err"); }
 
-  /// The next state that it is told; empty where none comes in a minute.
+  /// The next state that it is told; empty if none comes in a minute.
   std::string told() {
     pollfd waits{notify_.of, POLLIN, 0};
     if (poll(&waits, 1, 60000) != 1) return "";

@@ -54,7 +54,7 @@ void keep_rights_to_files() {
   syscall(SYS_capset, &header, sets.data());
 }
 
-/// Reads the process's environment as another process of this user does: an errno, 0 where it can.
+/// Reads the process's environment as another process of this user does: an errno, 0 if it can.
 int looked_into(pid_t process) {
   const pid_t child = fork();
   if (child == 0) {

@@ -1,4 +1,4 @@
-// A series over REST: what is known of its ranges, all of them where that is asked for, and the reading as an operation.
+// A series over REST: what is known of its ranges, all of them if that is asked for, and the reading as an operation.
 #include <gtest/gtest.h>
 
 #include <boost/json/parse.hpp>

@@ -39,7 +39,7 @@ std::vector<Case> cases() {
   add("two lengths, one in other letters", post("Content-Length: 0\r\ncontent-length: 2\r\n", "{}"), {400});
   for (const char* length : {"2, 2", "2,2", "2 2", "+2", "-2", "0x2", "2.0", "2e0", "", "two", "2;", "'2'", "\"2\"",
                              "18446744073709551618", "99999999999999999999999", "٢", "2\v", "2\x01"})
-    add("a length that is no number", post(std::string("Content-Length: ") + length + "\r\n", "{}"), {400, 413});
+    add("a length that is not a number", post(std::string("Content-Length: ") + length + "\r\n", "{}"), {400, 413});
   add("a space before the colon", post("Content-Length : 2\r\n", "{}"), {400});
   add("a tab before the colon", post("Content-Length\t: 2\r\n", "{}"), {400});
   // chunks

@@ -142,7 +142,7 @@ TEST(Strangers, NamesThatAreNoUtf8AreShownWithEscapesAndOpenedById) {
     ASSERT_EQ(datasets.size(), 2u);
     EXPECT_EQ(datasets[1].at("name").as_string(), "caf\\xe9\\xff.vtk");
     const std::string id(datasets[1].at("id").as_string()), broken(datasets[0].at("id").as_string());
-    Client client(server.client_options());  // its parser refuses text that is no UTF-8
+    Client client(server.client_options());  // its parser refuses text that is not UTF-8
     EXPECT_EQ(client.welcome().datasets(1).name(), "caf\\xe9\\xff.vtk");
     client.open_dataset(id);
     EXPECT_EQ(client.state().dataset(), id);

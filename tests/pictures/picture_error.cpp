@@ -3,7 +3,7 @@
 //   cmake --build --preset release --target isostrata-picture-error && build/release/bin/isostrata-picture-error
 //   [NAME|FILE[:ARRAY]...]
 //
-// Without arguments: one dataset of each kind of grid; those of the shared test data are left out where it is absent. Each row is
+// Without arguments: one dataset of each kind of grid; those of the shared test data are left out if it is absent. Each row is
 // the worst of three cameras: perspective, orthographic, inside.
 #include <cstdio>
 #include <filesystem>

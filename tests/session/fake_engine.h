@@ -26,7 +26,7 @@ struct FakeOutbox final : Outbox {
   }
   void close(std::uint16_t code, const std::string&) override { closed = code; }
 
-  /// The newest message for which `has` holds; an empty one where there is none.
+  /// The newest message for which `has` holds; an empty one if there is none.
   template <class Has>
   v1::ServerMessage newest(const Has& has) const {
     for (auto it = messages.rbegin(); it != messages.rend(); ++it)

@@ -24,7 +24,7 @@ struct OracleLight {
 };
 
 /// How an interval looks at u, the color-by value's place in the style's range, which is clamped to [0, 1]: colour linear between
-/// the colour map's samples, extinction linear. A range of no width, and a value that is no number, show what is at 0.
+/// the colour map's samples, extinction linear. A range of no width, and a value that is not a number, show what is at 0.
 class OracleOptics {
  public:
   OracleOptics(const IntervalStyle& style, double unit_distance)

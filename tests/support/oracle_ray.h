@@ -63,7 +63,7 @@ inline OracleRay oracle_ray(const DrawInput& input, double x, double y) {
   return ray;
 }
 
-/// Where the ray is inside the tetrahedron. False where it misses or only touches. A tetrahedron of no volume is never met: its
+/// Where the ray is inside the tetrahedron. False if it misses or only touches. A tetrahedron of no volume is never met: its
 /// faces' normals are noise.
 inline bool oracle_segment(const IntervalMesh& mesh, const std::vector<float>* scalars, std::size_t tetrahedron,
                            const OracleRay& ray, OracleSegment& out) {

@@ -13,7 +13,7 @@
 namespace isostrata::testing {
 
 /// A fragment is a tetrahedron's segment on a pixel's ray. Neighbours on the ray that may change places (of one interval whose
-/// style is constant()) form a run. A fragment is in the wrong order where it is drawn before some fragment of the next run
+/// style is constant()) form a run. A fragment is in the wrong order if it is drawn before some fragment of the next run
 /// behind it; no fragment is, exactly where the picture is composited in the right order. Fragments shorter than 1e-7 of the
 /// bounds' diagonal do not count, and two that overlap by more than that (inverted tetrahedra) have no order.
 struct OrderErrors {

@@ -42,7 +42,7 @@ inline double structural_similarity(const std::vector<double>& a, const std::vec
   return windows > 0 ? sum / static_cast<double>(windows) : 1;
 }
 
-/// A channel that is no number counts as 1e9.
+/// A channel that is not a number counts as 1e9.
 inline PictureError picture_error(const OracleImage& expected, const FloatImage& image, double diagonal) {
   PictureError error;
   const std::size_t pixels = expected.rgba.size();

@@ -36,7 +36,7 @@ inline std::array<int, 4> pixel(const Image& image, int x, int y) {
   return {image.rgba[at], image.rgba[at + 1], image.rgba[at + 2], image.rgba[at + 3]};
 }
 
-/// The picture's bytes are its floats over the background, or straight with their alpha where it is transparent, to within `step`
+/// The picture's bytes are its floats over the background, or straight with their alpha if it is transparent, to within `step`
 /// of 255, colours divided by their alpha to within `straight_step`.
 inline void expect_bytes_of_floats(DrawInput input, Renderer& renderer, double step, double straight_step) {
   input.background = {0.2f, 0.4f, 0.6f};

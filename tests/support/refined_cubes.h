@@ -26,7 +26,7 @@ inline PolyhedralMesh refined_cubes(std::array<std::int64_t, 3> cubes, std::uint
     const auto found = refined.find(cube);
     return found != refined.end() && found->second;
   };
-  // A place is a point where it is a cube's corner, or belongs to a refined cube.
+  // A place is a point if it is a cube's corner, or belongs to a refined cube.
   const auto is_point = [&](const Place& place) {
     if (place[0] % 2 == 0 && place[1] % 2 == 0 && place[2] % 2 == 0) return true;
     for (std::int64_t c = 0; c < 8; ++c) {

@@ -15,7 +15,7 @@
 namespace isostrata::testing {
 
 struct CommandResult {
-  int status = -1;  // exit status; -1 where a signal ended it
+  int status = -1;  // exit status; -1 if a signal ended it
   std::string out, err;
 };
 

@@ -48,7 +48,7 @@ class Process {
   Process(const Process&) = delete;
   Process& operator=(const Process&) = delete;
 
-  /// Nothing where it has ended: a process id of -1 would mean every process there is.
+  /// Nothing if it has ended: a process id of -1 would mean every process there is.
   void signal(int number) const {
     if (pid_ > 0) ::kill(pid_, number);
   }
@@ -57,13 +57,13 @@ class Process {
     if (pid_ > 0 && waitpid(pid_, &status_, WNOHANG) == pid_) pid_ = -1;
     return pid_ <= 0;
   }
-  /// The exit status, 128 + the signal that ended it, or -1 where it did not end in two minutes.
+  /// The exit status, 128 + the signal that ended it, or -1 if it did not end in two minutes.
   int wait() {
     for (int i = 0; i < 12000 && !ended(); ++i) std::this_thread::sleep_for(std::chrono::milliseconds(10));
     if (pid_ > 0) return -1;
     return WIFEXITED(status_) ? WEXITSTATUS(status_) : 128 + WTERMSIG(status_);
   }
-  /// Waits until the output has `part`; false where the process ends or half a minute passes without it.
+  /// Waits until the output has `part`; false if the process ends or half a minute passes without it.
   bool says(const std::string& part) {
     for (int i = 0; i < 3000; ++i) {
       const bool over = ended();

@@ -147,7 +147,7 @@ enum class Pairs { none, some, all };
 void compare(const std::shared_ptr<const Dataset>& dataset, const std::string& first, const std::vector<std::string>& others,
              Pairs pairs) {
   ASSERT_EQ(dataset->cell_types.size(), dataset->cell_types.count("tetrahedron"))
-      << "where cells are no tetrahedra, VTK cuts otherwise";
+      << "where cells are not tetrahedra, VTK cuts otherwise";
   std::vector<std::string> names{first};
   names.insert(names.end(), others.begin(), others.end());
   const GridPointer whole = as_vtk(*dataset, names);

@@ -54,7 +54,7 @@ Place place(vtkDataSet* data, vtkIdType point) {
   return at;
 }
 
-/// Cells that are no ghosts, hidden ones among them, each by its corners: as often as it is there.
+/// Cells that are not ghosts, hidden ones among them, each by its corners: as often as it is there.
 std::map<std::multiset<Place>, int> own_cells(vtkDataSet* data) {
   std::map<std::multiset<Place>, int> out;
   for (vtkIdType c = 0; c < data->GetNumberOfCells(); ++c) {

@@ -17,7 +17,7 @@ namespace {
 
 using Ends = std::vector<std::pair<double, double>>;
 
-/// How many cells each interval has, ours and VTK's. False where cells were split or left out when they were read, so that they cannot be compared.
+/// How many cells each interval has, ours and VTK's. False if cells were split or left out when they were read, so that they cannot be compared.
 bool expect_as_threshold(const std::string& path, const std::string& array, const Ends& intervals) {
   SCOPED_TRACE(path + " " + array);
   vtkNew<vtkXMLGenericDataObjectReader> reader;

@@ -327,7 +327,7 @@ TEST_F(WorkerEngineTest, WhatCannotStartIsSaid) {
     WorkerOptions ends;
     ends.plan.program = "/bin/false";
     start(ends);
-    FAIL() << "a program that only ends is no worker";
+    FAIL() << "a program that only ends is not a worker";
   } catch (const Error& error) {
     EXPECT_EQ(error.code(), ErrorCode::unavailable);
     EXPECT_NE(std::string(error.what()).find("status 1"), std::string::npos) << error.what();

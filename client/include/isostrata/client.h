@@ -51,7 +51,7 @@ class Client {
   const v1::Welcome& welcome() const;
   /// The newest that has been received.
   const v1::State& state() const;
-  /// Of state().dataset(); empty where none is open.
+  /// Of state().dataset(); empty if none is open.
   const v1::DatasetInfo& dataset() const;
 
   // ---- data: what is open, its arrays, its time
@@ -147,7 +147,7 @@ class Client {
   /// The next frame as pixels, or nothing after the timeout. The frame's payload has been taken. Streams of video whose beginning
   /// was missed, and whose decoder fails, are begun anew.
   std::optional<ShownFrame> next_picture(FrameDecoder& decoder, std::chrono::milliseconds timeout);
-  /// The same for a frame that receive() or next_frame() gave; nothing where it completes no picture.
+  /// The same for a frame that receive() or next_frame() gave; nothing if it completes no picture.
   std::optional<Picture> decode_frame(FrameDecoder& decoder, const v1::Frame& frame);
   /// The next lossless frame (PNG) of at least the newest revision known here, in the viewport's size. Not with
   /// Options.lossless_bands.

@@ -20,7 +20,7 @@ class VideoDecoder {
   virtual Picture decode(const std::string& bytes) = 0;
 };
 
-/// Makes a decoder of v1::Frame's format ("vp9-444"), or null where it has none.
+/// Makes a decoder of v1::Frame's format ("vp9-444"), or null if it has none.
 using VideoDecoders = std::function<std::unique_ptr<VideoDecoder>(const std::string& format)>;
 
 /// Of one Client, whose frames must all come through it. Not thread-safe.

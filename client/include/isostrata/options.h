@@ -41,7 +41,7 @@ struct Options {
   std::string url = "";           // as the server prints it, http://HOST:PORT/BASE/?token=TOKEN, or https://
   std::string token = "";         // where the url has none
   std::string resume_token = "";  // of an earlier Welcome: joins that session
-  std::string session = "";       // its id, where that is what is known: joins that session, and fails where it is not there
+  std::string session = "";       // its id, if that is what is known: joins that session, and fails if it is not there
   std::string name = "isostrata-client";
   int width = 800, height = 600;  // of the viewport, pixels; width 0: none, no frames are sent and no dataset is opened unasked
   std::vector<std::string> moving_formats{"jpeg"};  // of Hello: what is decoded of frames in motion

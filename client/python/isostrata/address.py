@@ -21,7 +21,7 @@ class Address:
     def parse(cls, url: str, token: str = "") -> Address:
         try:
             parts = urlsplit(url)
-            parts.port  # raises where it is no number
+            parts.port  # raises if it is not a number
         except ValueError as wrong:
             raise IsostrataError("bad_url", f"{url.split('?')[0]!r} is not a server's address: {wrong}") from None
         given = parse_qs(parts.query).get("token", [token])[0]

@@ -192,7 +192,7 @@ class Line:
             await self._doors.listens(_messages(socket))
         except ConnectionClosed as closed:
             self._doors.told.for_good = self._doors.told.for_good or close_code(closed) in _FINAL
-            # What was refused long ago is no reason; what was said with a goodbye is.
+            # What was refused long ago is not a reason; what was said with a goodbye is.
             raise Lost((closed.rcvd and (self._doors.told.last_words or closed.rcvd.reason)) or str(closed)) from None
         finally:
             await socket.close()

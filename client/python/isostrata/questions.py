@@ -34,7 +34,7 @@ class Probe:
     point: Optional[int] = None  # the nearest of the cell's
     cell_index: Tuple[int, ...] = ()  # i, j, k on structured grids
     point_index: Tuple[int, ...] = ()
-    values: Dict[str, float] = field(default_factory=dict)  # of all arrays, as the layers are drawn; NaN where there is no number
+    values: Dict[str, float] = field(default_factory=dict)  # of all arrays, as the layers are drawn; NaN if there is no number
     cell_values: Dict[str, float] = field(default_factory=dict)  # of arrays that the file has on cells
 
 

@@ -38,7 +38,7 @@ class Told:
             self.datasets = {entry.id: entry for entry in message.welcome.datasets}
             return "state"
         if kind == "state":
-            # One that answers a command which changed nothing is no news.
+            # One that answers a command which changed nothing is not news.
             news = "state" if message.state.revision != self.state.revision else ""
             self.state = message.state
             self.heeded = message.heeded

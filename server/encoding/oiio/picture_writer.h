@@ -28,7 +28,7 @@ class PictureWriter {
   virtual ~PictureWriter() = default;
   /// The next rows from the top: `pixels` are bytes or floats, `stride` bytes from one to the next.
   virtual void write(int count, const void* pixels, std::size_t stride) = 0;
-  /// Nothing may be written after this; without it the file is no picture.
+  /// Nothing may be written after this; without it the file is not a picture.
   virtual void finish() = 0;
 };
 

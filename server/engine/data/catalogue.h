@@ -59,7 +59,7 @@ std::string part_name(const std::string& name, const Region& part);
 class Catalogue {
  public:
   /// Each source is a file, the pattern of a series, a directory (what list_folder finds in it, or what it is itself: an OpenFOAM case, a Zarr image, slices of DICOM) or the
-  /// name of analytic data. Throws not_found where a source is none of these, or cannot be listed.
+  /// name of analytic data. Throws not_found if a source is none of these, or cannot be listed.
   static Catalogue from_sources(const std::vector<std::string>& sources);
   /// Of entries that another catalogue gave; no file is looked at.
   static Catalogue from_entries(std::vector<CatalogueEntry> entries);
@@ -70,7 +70,7 @@ class Catalogue {
   /// One of a directory's listing, whose real path is `root`.
   static CatalogueEntry entry_of(const std::filesystem::path& root, const FolderEntry& listed);
 
-  /// One more, under its id or else under a new one; passed over where the source is there already, or there are kMaxEntries. Null where it was.
+  /// One more, under its id or else under a new one; passed over where the source is there already, or there are kMaxEntries. Null if it was.
   const CatalogueEntry* add(CatalogueEntry entry);
   /// In place of the one with its id, or one more.
   void put(CatalogueEntry entry);
@@ -90,7 +90,7 @@ class Catalogue {
   const std::vector<PassedOver>& passed_over() const { return passed_over_; }
   /// There is more in the directories than is looked at.
   bool cut_off() const { return cut_off_; }
-  /// Null where there is none of that id.
+  /// Null if there is none of that id.
   const CatalogueEntry* find(std::string_view id) const;
 
  private:

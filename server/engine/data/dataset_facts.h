@@ -20,7 +20,7 @@ struct ArrayFacts {
   std::string association;  // "point" or "cell_averaged"
   std::string type;         // "float32", ...
   int components = 1;
-  double lower = 0, upper = 0;         // of the finite values of all steps that are known; lower > upper where there is none
+  double lower = 0, upper = 0;         // of the finite values of all steps that are known; lower > upper if there is none
   std::int64_t nan_count = 0;          // at the known step that has most of them
   std::vector<ValueRange> steps = {};  // ArrayRanges::steps; may be empty
   std::optional<ValueRange> cells = {};  // of cell_averaged: of the cells themselves, at the step that was opened
@@ -49,7 +49,7 @@ struct DatasetFacts {
   OnDisk on_disk = OnDisk::as_read;
   FirstView first_view;  // what is shown before anybody has chosen
 
-  /// Null where there is none of that name.
+  /// Null if there is none of that name.
   const ArrayFacts* find_array(std::string_view array) const;
 };
 

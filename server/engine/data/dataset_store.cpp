@@ -55,7 +55,7 @@ std::shared_ptr<const Dataset> DatasetStore::open(const DatasetStoreOptions& opt
 
 namespace {
 
-/// The dataset on the other's grid, where they are the same: one mesh for all steps, by whose place in memory others know it. The dataset as it was
+/// The dataset on the other's grid, if they are the same: one mesh for all steps, by whose place in memory others know it. The dataset as it was
 /// read stays with it, for its files may have to.
 std::shared_ptr<const Dataset> on_grid_of(const std::shared_ptr<const Dataset>& other, std::shared_ptr<const Dataset> dataset) {
   if (!other || !dataset->grid.storage || dataset->grid.storage == other->grid.storage || !same_grid(other->grid, dataset->grid)) return dataset;

@@ -75,7 +75,7 @@ class DatasetStore {
     std::uint64_t last_use = 0;
   };
 
-  /// session: whose work it is; nothing where it is nobody's.
+  /// session: whose work it is; nothing if it is nobody's.
   void load(std::shared_ptr<Loading> loading, Key key, std::optional<std::uint64_t> session);
   void drop_unused();  // with mutex_ held
 

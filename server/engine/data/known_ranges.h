@@ -30,9 +30,9 @@ class KnownRanges {
     std::vector<double> times;       // of all steps, as far as anybody has seen
     std::vector<std::string> said;   // Dataset::notes of the step that knew of so many
   };
-  /// Nothing where no step of the source was read.
+  /// Nothing if no step of the source was read.
   std::optional<Known> find(const std::string& source) const;
-  /// The first step that is not known; -1 where all are. Nothing where no step of the source was read.
+  /// The first step that is not known; -1 if all are. Nothing if no step of the source was read.
   std::optional<int> next(const std::string& source) const;
 
  private:

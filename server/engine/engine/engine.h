@@ -42,7 +42,7 @@ struct EngineOptions {
 
 class Engine final : public FrameEngine {
  public:
-  /// Throws unavailable where no device can draw, saying what was tried.
+  /// Throws unavailable if no device can draw, saying what was tried.
   Engine(EngineOptions options, Sink sink);
   /// Cancels what runs and waits for it; no event comes afterwards.
   ~Engine() override;

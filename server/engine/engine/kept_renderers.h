@@ -15,7 +15,7 @@ class KeptRenderers {
  public:
   static constexpr std::size_t kMost = 6;  // that nobody uses; their memory grows with meshes
 
-  /// That of the session's last frame, or still; null where it is not kept.
+  /// That of the session's last frame, or still; null if it is not kept.
   std::unique_ptr<Renderer> take(SessionKey session, bool still) {
     const std::lock_guard lock(mutex_);
     for (auto it = kept_.begin(); it != kept_.end(); ++it)

@@ -253,7 +253,7 @@ std::uint64_t LiveSessions::room_for_scene(SessionKey key, bool altogether) {
       const auto running = session ? session->latest.running() : nullptr;
       if (stopping_ || !running || running->task().cancelled() || memory_.leave_most(key, may_go())) break;
       changed_.wait_for(lock, kLook);
-      pulse();  // waiting is no hanging
+      pulse();  // waiting is not hanging
     }
     room = memory_.for_next_scene(key, altogether, may_go());
     if (Session* const session = find(key)) session->room = room.bytes;

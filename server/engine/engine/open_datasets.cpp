@@ -157,7 +157,7 @@ void OpenDatasets::look_for_steps(const CatalogueEntry& of, const Dataset& first
   try {
     acquire_held(of, steps, task);
   } catch (const Error& error) {
-    if (error.code() != ErrorCode::not_found) throw;  // else what has come is no step
+    if (error.code() != ErrorCode::not_found) throw;  // else what has come is not a step
   }
   const std::lock_guard lock(catalogue_mutex_);
   looked_[of.id] = parts;

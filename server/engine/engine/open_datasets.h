@@ -51,7 +51,7 @@ class OpenDatasets {
   };
   /// A step for a moment, read by this process alone within these limits, if nobody has it, and kept by nobody. `part`: as DatasetStore::open.
   std::shared_ptr<const Dataset> glance(const CatalogueEntry& of, int step, const Region& part, const Glance& limits, const Task& task) const;
-  /// The place for what is made of it in the import cache; nothing where there is none. Reads the beginnings of files.
+  /// The place for what is made of it in the import cache; nothing if there is none. Reads the beginnings of files.
   static std::optional<KeptWork> kept_work(const CatalogueEntry& of, const std::string& what);
 
   /// What a client is told of a dataset that it opens: of its first step, and of all steps as far as they are known.

@@ -14,7 +14,7 @@ constexpr int kCells = 48;
 
 struct LayerPoints {
   std::vector<Vec3d> all;     // on the layer's surface
-  std::vector<Vec3d> bodies;  // of these, what is no speck of noise; empty where nearly all of it would be one
+  std::vector<Vec3d> bodies;  // of these, what is not a speck of noise; empty if nearly all of it would be one
   std::vector<Vec3d> some;    // at most kMostPoints, evenly
 };
 

@@ -18,7 +18,7 @@ void thin_layers(LayersChoice& choice, const ProxyGrid& proxy, const ValueCurves
 inline constexpr double kMostSolid = 2e7;
 
 /// The whole numbers' zero on Hounsfield's scale: what the value -1000 + shift of air is raised by, where these values are CT
-/// numbers. Nothing else has a peak at air's, one at soft tissue's and a tail of bone; std::nullopt where the peaks are not
+/// numbers. Nothing else has a peak at air's, one at soft tissue's and a tail of bone; std::nullopt if the peaks are not
 /// there.
 struct CtScale {
   bool found = false;

@@ -15,7 +15,7 @@ namespace {
 
 constexpr std::size_t kLooks = 8'000'000, kFirstLooks = 65'536, kFewestPerLabel = 50;
 constexpr double kAlike = 0.6;    // least share of points that are as the one before
-constexpr std::size_t kFew = 32;  // so many values number things if they hold together; more only if they are no quantity's
+constexpr std::size_t kFew = 32;  // so many values number things if they hold together; more only if they are not a quantity's
 constexpr std::size_t kMostSteps = 4096;
 
 template <class T>

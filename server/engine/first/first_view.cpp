@@ -338,7 +338,7 @@ FirstView choose_view(const Dataset& first, const FirstViewSteps& steps, const F
       looked_at.push_back(held.back().get());
     } catch (const Error& error) {
       if (error.code() == ErrorCode::cancelled || step == wishes.step)
-        throw;  // a step that cannot be read is no reason to show nothing
+        throw;  // a step that cannot be read is not a reason to show nothing
     }
   }
   if (looked_at.empty()) looked_at.push_back(&first);

@@ -132,7 +132,7 @@ struct CancelRequest {
   bool superseded = false;  // what it worked for is not wanted any more; else somebody ends it
 };
 
-/// Forgets the frame request where it has not begun (its viewer is gone).
+/// Forgets the frame request if it has not begun (its viewer is gone).
 struct ForgetFrame {
   SessionKey session = 0;
   RequestId request = 0;
@@ -225,7 +225,7 @@ struct IntervalFacts {
   std::int64_t active_cells = 0;
   std::int64_t tetrahedra = 0;
   double volume = 0;                   // of the solid
-  std::optional<double> volume_error;  // as volume_errors() has it; nothing where it is not defined, or not asked for
+  std::optional<double> volume_error;  // as volume_errors() has it; nothing if it is not defined, or not asked for
   std::optional<double> area;          // of a flat grid, in place of a volume
 };
 
@@ -261,8 +261,8 @@ struct FrameReady {
   bool coarse_at_hand = false;  // moving frames of every n-th point can be had, as this one is if point_stride says so
   bool layers_may_be_coarse = false;  // so can those of a hand that moves the layers, as soon as it does
   std::vector<IntervalFacts> intervals;
-  std::shared_ptr<const Bytes> bytes;                 // null where there are bands
-  std::shared_ptr<const std::vector<PngBand>> bands;  // where they were asked for: the whole picture, from the top
+  std::shared_ptr<const Bytes> bytes;                 // null if there are bands
+  std::shared_ptr<const std::vector<PngBand>> bands;  // if they were asked for: the whole picture, from the top
 };
 
 struct LayersMeasured {
@@ -296,7 +296,7 @@ template <class... Messages>
 SessionKey session_of(const std::variant<Messages...>& message) {
   return std::visit([](const auto& of) { return of.session; }, message);
 }
-/// The number of the request; 0 where it is about none.
+/// The number of the request; 0 if it is about none.
 template <class... Messages>
 RequestId request_of(const std::variant<Messages...>& message) {
   return std::visit(

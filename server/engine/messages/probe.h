@@ -24,7 +24,7 @@ enum class ProbeEnd {
 
 struct ProbedArray {
   std::string name;
-  std::optional<double> value;       // as the layers are drawn: interpolated, or of the whole cell; nothing where a value there is not finite
+  std::optional<double> value;       // as the layers are drawn: interpolated, or of the whole cell; nothing if a value there is not finite
   std::optional<double> cell_value;  // of an array that the file has on cells: that of the cell
 };
 
@@ -35,7 +35,7 @@ struct ProbeFacts {
   Vec3d position;
   double distance = 0;         // from the eye, in world units; with parallel rays from the plane through it
   std::uint32_t interval = 0;  // its id; 0: what a term has brought in
-  int term = -1;               // that term, where there is no interval
+  int term = -1;               // that term, if there is no interval
   ProbeEnd end = ProbeEnd::domain;
   std::int64_t cell = -1, point = -1;  // the cell that begins there (-1: not found), and the nearest of its points
   bool structured = false;

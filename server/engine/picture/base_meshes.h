@@ -18,9 +18,9 @@ class BaseMeshes {
   /// max_bytes: kept between uses, and the most that making one may take.
   explicit BaseMeshes(std::uint64_t max_bytes);
 
-  /// The mesh of a step's array, where it is there. Null while it is being made, too.
+  /// The mesh of a step's array, if it is there. Null while it is being made, too.
   std::shared_ptr<const BaseTetrahedra> find(const std::shared_ptr<const Dataset>& dataset, const std::string& array);
-  /// Makes it where it is not there; waits where another thread is at it. Null where the grid has other cells or the memory does
+  /// Makes it if it is not there; waits if another thread is at it. Null if the grid has other cells or the memory does
   /// not suffice. Throws not_found, cancelled.
   std::shared_ptr<const BaseTetrahedra> make(const std::shared_ptr<const Dataset>& dataset, const std::string& array,
                                              const Task& task);

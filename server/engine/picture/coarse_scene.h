@@ -16,11 +16,11 @@
 
 namespace isostrata {
 
-/// The least stride of each axis that leaves at most `most_points`, and no axis with few; 1, 1, 1 where the grid has no more cells than
+/// The least stride of each axis that leaves at most `most_points`, and no axis with few; 1, 1, 1 if the grid has no more cells than
 /// `least_cells`, or is not structured.
 std::array<std::int64_t, 3> coarse_stride(const Grid& grid, std::int64_t least_cells, std::int64_t most_points);
 
-/// The strides of a level from 1 on (coarse_levels.h); 1, 1, 1 where the grid is too small, or not structured.
+/// The strides of a level from 1 on (coarse_levels.h); 1, 1, 1 if the grid is too small, or not structured.
 std::array<std::int64_t, 3> moving_stride(const Grid& grid, int level);
 
 /// Whether extract_for_motion of the scene has something to make, on the grid of `extracted`, which is of all points.
@@ -33,7 +33,7 @@ class CoarseScenes {
   /// Grids of more cells have a coarser picture first.
   explicit CoarseScenes(std::int64_t least_cells) : least_cells_(least_cells) {}
 
-  /// As extract_scene, on every n-th point of the grid (coarser, region.h); ExtractedScene::point_stride says of which. Nothing where the grid is not
+  /// As extract_scene, on every n-th point of the grid (coarser, region.h); ExtractedScene::point_stride says of which. Nothing if the grid is not
   /// large, or the scene shows more than one step as it is. The mesh takes 1/n^3 of that of all points, and as much of its time. facets_alone: as
   /// SceneAids has it. Throws what extract_scene throws.
   std::shared_ptr<const ExtractedScene> extract(const StepSource& steps, const Scene& scene, const Task& task, bool facets_alone = false);

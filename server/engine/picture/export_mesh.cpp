@@ -16,7 +16,7 @@ namespace fs = std::filesystem;
 std::uint64_t megabytes(std::uint64_t bytes) { return bytes / 1'000'000; }
 
 /// Half of what is left for exports, for another one may be written beside it; and a tenth of the disk stays for others. Throws too_large
-/// where there is none.
+/// if there is none.
 std::uint64_t room_on_disk(const fs::path& folder, std::uint64_t exports) {
   std::uint64_t taken = 0;
   std::error_code error;

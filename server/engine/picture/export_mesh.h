@@ -14,7 +14,7 @@ namespace isostrata {
 
 /// Extracts all intervals of the scene, hidden ones too, with its terms, time and triangulation (of a smear: the scene's step),
 /// and writes them as write_mesh does, the colour array with them. Throws what extract_layers and write_mesh throw, and not_found
-/// where there is no array or no interval; too_large, with the numbers, where it would take more memory or more of the disk than `room`. Any thread.
+/// if there is no array or no interval; too_large, with the numbers, if it would take more memory or more of the disk than `room`. Any thread.
 struct ExportRoom {
   std::uint64_t memory = 16ull << 30;
   std::uint64_t exports = 16ull << 30;  // of all files in the path's folder, of which two at most are being written

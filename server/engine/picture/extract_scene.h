@@ -20,7 +20,7 @@ std::shared_ptr<const ExtractedScene> extract_scene(const StepSource& source, co
                                                     const std::shared_ptr<const ExtractedScene>& previous, const Task& task,
                                                     const SceneAids& aids = {});
 
-/// The same for one step that is at hand. Throws not_found where the scene's time needs another one.
+/// The same for one step that is at hand. Throws not_found if the scene's time needs another one.
 std::shared_ptr<const ExtractedScene> extract_scene(std::shared_ptr<const Dataset> dataset, const Scene& scene,
                                                     const std::shared_ptr<const ExtractedScene>& previous, const Task& task);
 

@@ -32,14 +32,14 @@ struct ExtractedScene {
   std::shared_ptr<KeptSpaceTime> kept;  // for the next slice; null but in space-time mode
   std::string array, color_by;          // the arrays' names, as they were found
   std::shared_ptr<const IntervalMesh> mesh;
-  std::shared_ptr<const std::vector<float>> color_values;    // null where there is no colour map and no opacity that runs
+  std::shared_ptr<const std::vector<float>> color_values;    // null if there is no colour map and no opacity that runs
   double color_lower = 0, color_upper = 1;                   // range of the color-by array in the first of `steps`
   std::string texture;                                       // the array's name, as it was found
-  std::shared_ptr<const std::vector<float>> texture_values;  // null where no surface has a texture
+  std::shared_ptr<const std::vector<float>> texture_values;  // null if no surface has a texture
   double texture_lower = 0, texture_upper = 1;               // its range in the first of `steps`
-  std::shared_ptr<const std::vector<Vec3f>> normals;         // null where none are known
+  std::shared_ptr<const std::vector<Vec3f>> normals;         // null if none are known
   bool normals_wanted = false;                               // whether they were looked for
-  std::shared_ptr<const std::vector<Vec3f>> body_normals;    // along the gradient of `array` at each point; null where none are known or wanted
+  std::shared_ptr<const std::vector<Vec3f>> body_normals;    // along the gradient of `array` at each point; null if none are known or wanted
   bool body_normals_wanted = false;
   Box3d bounds;                                              // of the grids
   bool same_grid = true;                                     // of all parts: the one that a visibility order may be taken from
@@ -52,7 +52,7 @@ struct ExtractedScene {
   std::vector<IntervalSummary> whole_summaries;
   int point_stride = 1;   // more: of every n-th point of the grid, for a first look (coarse_scene.h)
   std::shared_ptr<const KnownLater<CoarseError>> coarse_error;  // of `array` at those points; null: nobody will find it
-  double extract_ms = 0;  // 0 where `previous` was reused
+  double extract_ms = 0;  // 0 if `previous` was reused
 
   /// Of the request's intervals and of the terms that bring something in; of a smear, of each step.
   const std::vector<IntervalSummary>& summaries() const {

@@ -34,7 +34,7 @@ struct SceneAids : LayerAids {
   // and a renderer that extracts().
   bool extracts_there = false;
   bool facets_alone = false;  // constant colours of structured grids get no tetrahedra: the renderer draws them by facets
-  std::uint64_t max_bytes = 16ull << 30;            // throws too_large, with the numbers, where the scene would need more
+  std::uint64_t max_bytes = 16ull << 30;            // throws too_large, with the numbers, if the scene would need more
 };
 
 /// What a scene asks for, with the names of its arrays.

@@ -14,7 +14,7 @@ namespace isostrata {
 std::vector<IntervalSummary> interval_summaries(const ExtractedScene& extracted, const Scene& scene);
 
 /// The same by the intervals' ids, as clients know them; those of a transfer function are one. With `errors` how far the volumes
-/// are from those of the interpolated field, where that is defined: a mesh of plain ranges of one array. That takes a fraction of a
+/// are from those of the interpolated field, if that is defined: a mesh of plain ranges of one array. That takes a fraction of a
 /// second on one thread. Throws cancelled.
 std::vector<IntervalFacts> interval_facts(const ExtractedScene& extracted, const Scene& scene, bool errors, const Task& task);
 

@@ -25,7 +25,7 @@ class RayProbe {
     name_arrays(*along_.steps().front());
   }
 
-  /// Nothing where the ray meets no layer that is seen.
+  /// Nothing if the ray meets no layer that is seen.
   std::optional<ProbeFacts> find() {
     if (scene_.intervals.empty()) return std::nullopt;
     along_.extract();

@@ -13,7 +13,7 @@ struct Segment {
   std::array<double, 4> at{}, along{};
 };
 
-/// Nothing where it is missed or only touched, or has no volume: its faces' normals are noise.
+/// Nothing if it is missed or only touched, or has no volume: its faces' normals are noise.
 std::optional<Segment> segment_of(const IntervalMesh& mesh, const std::array<std::uint32_t, 4>& ids, const ViewRay& ray) {
   std::array<Vec3d, 4> p;
   for (std::size_t v = 0; v < 4; ++v) p[v] = mesh.positions[ids[v]] - ray.origin;

@@ -13,7 +13,7 @@
 namespace isostrata {
 
 struct RayHit {
-  double at = 0, leave = 0;  // along the ray: where it is entered, and where the tetrahedron is left; both the same of a facet
+  double at = 0, leave = 0;  // along the ray: if it is entered, and where the tetrahedron is left; both the same of a facet
   std::size_t style = 0;     // of the interval
   std::size_t item = 0;      // the tetrahedron, or of a surface the facet
   bool surface = false;
@@ -24,7 +24,7 @@ struct RayHit {
 
 /// A layer with an interior that is seen begins where its solid does, any other at the surfaces that are drawn of it. The nearest is taken; by_priority:
 /// of those with the highest priority, since they are painted over the others. Hidden layers, and those of which nothing is drawn, are looked through.
-/// styles: one for each of the mesh's summaries. Nothing where the ray meets none. Any thread.
+/// styles: one for each of the mesh's summaries. Nothing if the ray meets none. Any thread.
 std::optional<RayHit> first_hit(const IntervalMesh& mesh, std::span<const IntervalStyle> styles, bool by_priority, const ViewRay& ray);
 
 /// Whether the ray meets a tetrahedron of the mesh, or of a flat grid a facet, at `at`.

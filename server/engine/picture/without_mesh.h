@@ -8,7 +8,7 @@
 
 namespace isostrata {
 
-/// Whether the intervals can be cut out of a grid of tetrahedra where they are drawn, and the picture is that of the split mesh:
+/// Whether the intervals can be cut out of a grid of tetrahedra if they are drawn, and the picture is that of the split mesh:
 /// one field at one step, colours that run along it or are constant (those where a surface is drawn, without textures), no overlaps, interiors unshaded.
 /// `array` is the scene's.
 bool cuts_exactly(const Scene& scene, const std::string& array);

@@ -33,7 +33,7 @@ class ActiveBricks {
 
   /// Classifies the bricks whose range the intervals meet, on the pool; no others are read. The cells, cases and mesh points are
   /// those of find_active_cells and MeshPoints. Preconditions: a structured grid with cells, `index` made for it and the array,
-  /// at most kMaxRecordIntervals intervals. Throws too_large where more than max_bytes would be needed, cancelled.
+  /// at most kMaxRecordIntervals intervals. Throws too_large if more than max_bytes would be needed, cancelled.
   /// `previous`, of the same grid and array with other intervals: what it found is taken over for every brick whose values lie
   /// on the same sides of the same isovalues, so that where an end moves only the bricks whose range meets the change are read.
   ActiveBricks(const Grid& grid, const PointArray& array, const MinMaxBricks& index, const IsoRules& rules,

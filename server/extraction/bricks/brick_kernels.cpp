@@ -82,7 +82,7 @@ inline void find_use(const PresentCells& present, Use& use) {
 
 /// What an interval's cases are read from.
 struct Side {
-  const Planes* planes;  // null where constant
+  const Planes* planes;  // null if constant
   const RowBits* rows;
   std::uint64_t constant;
 

@@ -61,13 +61,13 @@ struct BrickCase {
 
 /// isovalues: for each isovalue that values of the brick lie on both sides of, which points reach it (bits up to
 /// place.reach[0] and rows up to place.reach are read). Appends the records, by cell, then in the order of `intervals`. present:
-/// null where all cells of the grid around the brick are.
+/// null if all cells of the grid around the brick are.
 void classify_brick(const BrickLayout::Place& place, std::span<RowBits> isovalues, std::span<const BrickInterval> intervals,
                     const PresentCells* present, BrickCase& out, std::vector<CellRecord>& records);
 
 /// The numbers of mesh points in a brick's table (HexahedronGather) from one of the up to eight bricks that own them.
 struct BrickPoints {
-  const std::uint64_t* words = nullptr;  // null where the brick owns none
+  const std::uint64_t* words = nullptr;  // null if the brick owns none
   const std::uint32_t* bases = nullptr;
   std::uint32_t first_point = 0;
   int isovalues = 0;         // of that brick

@@ -18,7 +18,7 @@ struct BrickLayout {
     std::array<std::int64_t, 3> first{};  // indices of its first point
     std::array<int, 3> own{};             // points it owns along each axis, at most 8
     std::array<int, 3> reach{};           // points its cells have along each axis, at most 9
-    std::array<int, 3> cells{};           // along each axis; 0 where it holds the last points only
+    std::array<int, 3> cells{};           // along each axis; 0 if it holds the last points only
   };
 
   explicit BrickLayout(const std::array<std::int64_t, 3>& grid_dims) : dims(grid_dims) {

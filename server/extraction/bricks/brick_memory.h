@@ -19,17 +19,17 @@ namespace isostrata {
 /// dataset, step and array. Any thread may call any function. Lock: mutex_.
 class BrickMemory {
  public:
-  /// What was used longest ago is dropped where more than max_bytes would be kept. Ranges take 1/250 of a float array.
+  /// What was used longest ago is dropped if more than max_bytes would be kept. Ranges take 1/250 of a float array.
   explicit BrickMemory(std::uint64_t max_bytes = std::uint64_t{256} << 20) : max_bytes_(max_bytes) {}
 
-  /// The array's ranges, measured where they are not kept. Throws cancelled.
+  /// The array's ranges, measured if they are not kept. Throws cancelled.
   std::shared_ptr<const MinMaxBricks> ranges(const Grid& grid, const PointArray& array, const Task& task);
   /// The active bricks of these intervals, with the help of those of the field's last request, in whose place they are kept. Throws what
   /// ActiveBricks throws.
   std::shared_ptr<const ActiveBricks> find_active(const Grid& grid, const PointArray& array, const IsoRules& rules, std::uint64_t max_bytes,
                                                   const Task& task);
 
-  /// Those of the field's last request; null where none are kept.
+  /// Those of the field's last request; null if none are kept.
   std::shared_ptr<const ActiveBricks> last(const Grid& grid, const PointArray& array);
 
   std::uint64_t bytes() const;

@@ -12,7 +12,7 @@
 
 namespace isostrata {
 
-/// What extract_intervals promises; nothing where the grid is not structured or there are more than 256 intervals. The
+/// What extract_intervals promises; nothing if the grid is not structured or there are more than 256 intervals. The
 /// tetrahedra, points and facets are those of extract_in_general; cells come brick by brick, in each by their number, and points
 /// are numbered likewise.
 ///

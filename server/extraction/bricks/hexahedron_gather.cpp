@@ -42,7 +42,7 @@ HexahedronGather build() {
     std::uint8_t number = 0;
     for (auto tetrahedron : table.of(i)) {
       for (int left_handed = 0; left_handed < 2; ++left_handed) {
-        if (left_handed) std::swap(tetrahedron[0], tetrahedron[1]);  // positive where the cell's own orientation is
+        if (left_handed) std::swap(tetrahedron[0], tetrahedron[1]);  // positive if the cell's own orientation is
         for (const IsoVertex v : tetrahedron) gather.offsets[left_handed].push_back(offset_of(v));
         gather.labels[left_handed].push_back(label_facets(table.masks[tetrahedron[0]], table.masks[tetrahedron[1]],
                                                           table.masks[tetrahedron[2]], table.masks[tetrahedron[3]]));

@@ -57,7 +57,7 @@ class LayerBricks {
 
  private:
   using Owns = std::function<bool(std::int64_t cell)>;
-  /// Whether all of the brick's cells are owned, and those around it; no where that is not easily told.
+  /// Whether all of the brick's cells are owned, and those around it; no if that is not easily told.
   bool owns_all(const BrickLayout::Place& place, const Owns& owns) const;
   void write(std::int64_t slab, const Wanted& wanted, const Owns* owns, Slab& out) const;
   void write_facets(std::size_t b, std::uint32_t base, const Owns* owns, Slab& out) const;
@@ -77,7 +77,7 @@ struct FoundLayers {
   std::shared_ptr<const LayerBricks> bricks;
   IntervalMesh mesh;
 };
-/// Nothing where the intervals hold fewer than `least_tetrahedra` (then a mesh is cheaper to draw again and again), the grid is not structured or
+/// Nothing if the intervals hold fewer than `least_tetrahedra` (then a mesh is cheaper to draw again and again), the grid is not structured or
 /// is flat or meets itself at a seam, there are more than 256 intervals, or the grid's cells are turned over (a negative volume). `memory` keeps what was found, also where
 /// nothing is returned. Throws what extract_intervals throws. Any thread.
 std::optional<FoundLayers> find_layer_bricks(const std::shared_ptr<const Dataset>& dataset, const PointArray& array,

@@ -25,7 +25,7 @@ class MinMaxBricks {
   const BrickLayout& layout() const { return layout_; }
   std::uint64_t bytes() const;
 
-  /// Of the points of the brick's cells, NaN left out: lowest > highest where there is no other.
+  /// Of the points of the brick's cells, NaN left out: lowest > highest if there is no other.
   template <class T>
   struct Ranges {
     Buffer<T> lowest, highest;  // [layout().count()]

@@ -21,7 +21,7 @@ bool positions_are_finite(const Grid& grid, std::span<const std::int64_t> ids) {
   return std::all_of(ids.begin(), ids.end(), [&](std::int64_t id) { return is_finite(grid.point(id)); });
 }
 
-/// Adds the cell's cases where it is active and not absent.
+/// Adds the cell's cases if it is active and not absent.
 void classify(const Grid& grid, const IsoRules& rules, std::int64_t cell, std::span<const std::int64_t> ids, const double* values,
               std::vector<CellCase>& out) {
   const int n = static_cast<int>(ids.size());

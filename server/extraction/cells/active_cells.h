@@ -21,9 +21,9 @@ struct CellCase {
   std::uint16_t case_index = 0;  // of the interval table, neither all below nor all above
 };
 
-/// Every (active cell, interval), by cell, then by the intervals' lower ends. A cell is *absent* where it is hidden or one of its
+/// Every (active cell, interval), by cell, then by the intervals' lower ends. A cell is *absent* if it is hidden or one of its
 /// vertices has a value or a position that is not finite: interpolation means nothing there, so such a cell holds no part of any
-/// interval and its faces bound the domain. One read of the array on structured grids. Throws too_large where the list would need
+/// interval and its faces bound the domain. One read of the array on structured grids. Throws too_large if the list would need
 /// more than max_bytes, cancelled.
 std::vector<CellCase> find_active_cells(const Grid& grid, const PointArray& array, const IsoRules& rules, std::uint64_t max_bytes,
                                         const Task& task);

@@ -35,7 +35,7 @@ inline double signed_cell_volume(const CellTopology& cell, const Vec3d* p) {
 /// What orients the tetrahedra of a cell.
 struct CellHandedness {
   double tolerance = 0;  // volumes of tetrahedra in the cell are uncertain by this much, from rounding
-  int sign = 0;          // of the cell's own signed volume; 0 where that is within the tolerance
+  int sign = 0;          // of the cell's own signed volume; 0 if that is within the tolerance
 };
 
 /// From the cell's volume and bounds: what is rounded are differences of positions as far from the origin as the cell is.

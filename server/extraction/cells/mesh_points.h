@@ -67,7 +67,7 @@ class MeshPoints {
       while (*at != packed) ++at;
     return static_cast<std::uint32_t>(at - keys_.data());
   }
-  /// Fills the mesh's positions, origins and, where asked for, values: [size()].
+  /// Fills the mesh's positions, origins and, if asked for, values: [size()].
   void locate(const Grid& grid, const PointArray& array, const IsoRules& rules, bool values, IntervalMesh& mesh,
               const Task& task) const;
 

@@ -68,7 +68,7 @@ class StructuredPoints {
     }
   }
 
-  /// Fills the mesh's positions, origins and, where asked for, values: [size()].
+  /// Fills the mesh's positions, origins and, if asked for, values: [size()].
   void locate(const Grid& grid, const PointArray& array, const IsoRules& rules, bool values, IntervalMesh& mesh,
               const Task& task) const;
 

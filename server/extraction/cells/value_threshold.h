@@ -9,7 +9,7 @@
 
 namespace isostrata {
 
-/// value >= bound, for a value of type T promoted to double, is value >= least, or is false for all where none is set.
+/// value >= bound, for a value of type T promoted to double, is value >= least, or is false for all if none is set.
 template <class T>
 struct ValueThreshold {
   T least{};

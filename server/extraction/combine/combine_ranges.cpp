@@ -100,7 +100,7 @@ Combined combine_ranges(IntervalMesh base, std::size_t intervals, std::vector<Bu
   std::vector<RegionTerm> chain;
   for (std::size_t k = 0; k < terms.size(); ++k) {
     const FieldTerm& term = terms[k];
-    (void)IsoRules({&term.range, 1});  // throws where the range is none
+    (void)IsoRules({&term.range, 1});  // throws if the range is not one
     chain.push_back({term.op, term.field, term.range, kOutsideRegion});
     ranges.push_back({term.field, term.range});
     if (!adds(term.op)) continue;

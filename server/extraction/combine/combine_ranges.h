@@ -43,14 +43,14 @@ struct CombineOptions {
   bool facets = false;                    // fill IntervalMesh::facets; base must have its facets, too
   bool normals = false;                   // of combine_arrays, with facets: fill Combined::normals
   bool body_normals = false;              // of combine_arrays: fill Combined::body_normals
-  std::uint64_t max_bytes = 16ull << 30;  // throws too_large, with the numbers, where more would be needed
+  std::uint64_t max_bytes = 16ull << 30;  // throws too_large, with the numbers, if more would be needed
 };
 
 struct Combined {
   IntervalMesh mesh;                   // without origins; values are those of fields[0]
   std::vector<Buffer<double>> fields;  // [fields][np] carried along; fields[0] is empty: it is mesh.values
   std::vector<Vec3f> normals;          // [np] of the surfaces (combined_normals.h); empty unless asked for
-  std::vector<Vec3f> body_normals;     // [np] along the gradient of the first array; zero where there is none; empty unless asked for
+  std::vector<Vec3f> body_normals;     // [np] along the gradient of the first array; zero if there is none; empty unless asked for
 };
 
 /// The region of a chain of terms on a mesh that was extracted on fields[0]: the first `intervals` of its summaries are A, the

@@ -23,7 +23,7 @@ void append_directions(const Grid& grid, std::span<const PointArray* const> arra
 std::vector<Vec3f> surface_normals(const IntervalMesh& mesh, std::span<const int> array_of_range,
                                    std::span<const Buffer<double>> directions);
 
-/// The three fields of one array as unit vectors, [np]; zero where there is none.
+/// The three fields of one array as unit vectors, [np]; zero if there is none.
 std::vector<Vec3f> unit_directions(std::span<const Buffer<double>> directions);
 
 }  // namespace isostrata

@@ -18,7 +18,7 @@ struct ArrayTerm {
   Interval range;
 };
 
-/// [nc] 1 where the cell is hidden in the grid or the ranges of values at its points show that nothing of it can be in the
+/// [nc] 1 if the cell is hidden in the grid or the ranges of values at its points show that nothing of it can be in the
 /// region: as good as a hidden cell to the extraction, with one difference that does not show: no part of the region touches the
 /// faces of its neighbours towards it. Values that are not finite are passed over. O(points * arrays), one pass for each array.
 /// Throws invalid_argument (an array of another length than the grid's points), cancelled. Any thread.

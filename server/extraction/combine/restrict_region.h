@@ -27,7 +27,7 @@ struct RegionMesh {
   Buffer<std::array<std::uint32_t, 4>> tetrahedra;  // [nt] grouped by cell
   Buffer<std::uint16_t> labels;                     // [nt] index into the summaries, or kOutsideRegion
   Buffer<CellRun> cell_runs;                        // each cell once, and none without a tetrahedron
-  /// [nt] or empty where facets are not wanted. Bit i: facet i lies on the boundary of the grid. Bit 4 + i: it may lie on the
+  /// [nt] or empty if facets are not wanted. Bit i: facet i lies on the boundary of the grid. Bit 4 + i: it may lie on the
   /// boundary of where a field has values.
   Buffer<std::uint8_t> domain_facets;
 
@@ -57,7 +57,7 @@ struct RegionTerm {
 /// it is in the region or not, so that all that stays still conforms: it is dropped only where no part of it can be in the region
 /// at the end of the chain. Each new point carries all fields, linear along the edge it lies on, and has just the range's end in
 /// the term's own field. Numbers and order of everything do not depend on threads. O(points * terms + tetrahedra).
-/// Throws too_large where old and new mesh together need more than max_bytes, or more than 2^32 points or tetrahedra; cancelled.
+/// Throws too_large if old and new mesh together need more than max_bytes, or more than 2^32 points or tetrahedra; cancelled.
 RegionMesh restrict_region(const RegionMesh& mesh, std::span<const RegionTerm> terms, std::uint64_t max_bytes, const Task& task);
 
 }  // namespace isostrata

@@ -9,7 +9,7 @@
 
 namespace isostrata {
 
-/// The points of a face in increasing order, without repeats; -1 where it has fewer than four.
+/// The points of a face in increasing order, without repeats; -1 if it has fewer than four.
 struct FaceKey {
   std::array<std::int64_t, 4> points{-1, -1, -1, -1};
 

@@ -141,7 +141,7 @@ std::int64_t count_unmatched_facets(const IntervalMesh& mesh, const Task& task) 
         facet(2, 0, 1, 3);
         facet(3, 0, 1, 2);
       }
-      for (const FacetMeeting& meeting : table.entries()) own += meeting.unmatched();  // 0 where unused
+      for (const FacetMeeting& meeting : table.entries()) own += meeting.unmatched();  // 0 if unused
     }
     unmatched.fetch_add(own, std::memory_order_relaxed);
   });

@@ -86,7 +86,7 @@ class Welder {
     task_.check();
   }
 
-  /// What two cells share from both sides is no boundary of either.
+  /// What two cells share from both sides is not a boundary of either.
   void close_facets() {
     std::vector<Meeting> across;
     for (std::size_t f = 0; f < mesh_.facets.size(); ++f) {

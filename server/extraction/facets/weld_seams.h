@@ -20,7 +20,7 @@ std::array<bool, 3> find_seams(const Grid& grid);
 /// Makes one mesh of the two sides of each seam: points of the last sheet become those of the first, in tetrahedra and facets, and
 /// the facets in which cells meet across it bound nothing any more. Both sides cut their faces alike, since faces are cut in the
 /// order of their points' numbers, which is the same on both. Points that no tetrahedron uses any more stay in their places.
-/// Work is O(cells beside the seam + facets); none where there is no seam. Throws cancelled.
+/// Work is O(cells beside the seam + facets); none if there is no seam. Throws cancelled.
 void weld_seams(const Grid& grid, const PointArray& array, IntervalMesh& mesh, const Task& task);
 
 }  // namespace isostrata

@@ -68,7 +68,7 @@ void write_vtk_list(OutputFile& out, const VtkXml& file, std::span<const std::st
 void write_plain(OutputFile& out, const VtkArray& array, const Task& task);
 
 /// Writes items in blocks of about 256 KiB, some at a time on the pool: with compression 0 their byte count and bytes, else
-/// vtkZLibDataCompressor's table (number of blocks, bytes in a block, bytes in the last one where it is shorter, compressed bytes
+/// vtkZLibDataCompressor's table (number of blocks, bytes in a block, bytes in the last one if it is shorter, compressed bytes
 /// of each) and compressed blocks. All sizes have 64 bits. Throws unavailable, cancelled.
 void write_appended(OutputFile& out, const VtkArray& array, int compression, const Task& task);
 

@@ -28,7 +28,7 @@ struct WriteOptions {
   std::vector<FacetChoice> facets;  // .ply and .stl: those that match any; empty: all
 };
 
-/// Throws unsupported where write_mesh knows no format for the path's ending: for asking before the work is done.
+/// Throws unsupported if write_mesh knows no format for the path's ending: for asking before the work is done.
 void check_mesh_path(const std::filesystem::path& path);
 
 /// Writes by the ending of the path's name:

@@ -56,7 +56,7 @@ VtkArray positions(const PointSpan& points) {
 
 constexpr std::uint8_t kDuplicate = 1, kHidden = 32;  // vtkDataSetAttributes
 
-/// owned: empty where margins are not marked.
+/// owned: empty if margins are not marked.
 VtkArray marks(const Grid& grid, std::span<const std::uint8_t> owned) {
   return vtk_array("UInt8", "vtkGhostType", static_cast<std::uint64_t>(grid.cell_count()), 1, [&grid, owned](std::uint64_t c) {
     const bool hidden = grid.hidden(static_cast<std::int64_t>(c)), ghost = !owned.empty() && owned[c] == 0;

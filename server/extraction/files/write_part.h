@@ -30,7 +30,7 @@ struct WrittenPart {
   std::array<std::int64_t, 3> first{}, dims{};  // of a structured grid: where it lies in the whole
 };
 
-/// part: what take_region made of the whole, and `origin`. owned: [cells of the part] 1 where a cell is the part's own; looked at for unstructured
+/// part: what take_region made of the whole, and `origin`. owned: [cells of the part] 1 if a cell is the part's own; looked at for unstructured
 /// grids. Throws unavailable, cancelled.
 WrittenPart write_part(const std::filesystem::path& path, const Dataset& whole, const Dataset& part, const PartOrigin& origin, std::span<const std::uint8_t> owned,
                        const Task& task);

@@ -117,7 +117,7 @@ void write_stl(OutputFile& out, const IntervalMesh& mesh, std::span<const FacetC
     const std::array<Vec3f, 4> vectors{single(size > 0 ? n / size : Vec3d{}), single(a), single(b), single(c)};
     const auto label = static_cast<std::uint16_t>(facet.label);
     std::array<std::byte, 50> record;
-    std::memcpy(record.data(), vectors.data(), 48);  // the normal is 0 where the triangle has no area
+    std::memcpy(record.data(), vectors.data(), 48);  // the normal is 0 if the triangle has no area
     std::memcpy(record.data() + 48, &label, 2);
     out.write(record);
   });

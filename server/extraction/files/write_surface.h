@@ -10,7 +10,7 @@
 
 namespace isostrata {
 
-/// Whether a facet matches any of the choices; all do where there is none.
+/// Whether a facet matches any of the choices; all do if there is none.
 bool is_chosen(const BoundaryFacet& facet, std::span<const FacetChoice> choices);
 
 /// What write_mesh writes for .ply and .stl.

@@ -103,7 +103,7 @@ class ObjectHeader {
     out += name + '\0' + type + space + value;
     add(0x0c, out);
   }
-  /// Returns where it is.
+  /// Returns if it is.
   std::uint64_t write(OutputFile& out) const {
     const std::uint64_t at = out.size();
     std::string header = "OHDR";

@@ -22,7 +22,7 @@ void write_vtu(OutputFile& out, const IntervalMesh& mesh, const std::string& arr
 /// The areas of a flat grid, or of a section, as VTK's XML PolyData (.vtp), with the arrays of write_vtu. Precondition: there are no tetrahedra.
 void write_vtp(OutputFile& out, const IntervalMesh& mesh, const std::string& array_name, std::span<const MeshArray> more, int compression, const Task& task);
 
-/// The list of .vtu files (.pvtu) that are one mesh: their names, and the arrays that write_vtu gave each of them. array_name: empty where they have no
+/// The list of .vtu files (.pvtu) that are one mesh: their names, and the arrays that write_vtu gave each of them. array_name: empty if they have no
 /// values. Throws unavailable.
 void write_pvtu(OutputFile& out, std::span<const std::string> pieces, const std::string& array_name, std::span<const std::string> more);
 

@@ -209,7 +209,7 @@ class Extraction {
         masks = merged_masks;
       }
       for (auto t : triangulation.tetrahedra(at.case_index)) {
-        if (left_handed) std::swap(t[0], t[1]);  // positive where the cell's own orientation is
+        if (left_handed) std::swap(t[0], t[1]);  // positive if the cell's own orientation is
         const std::array<std::uint32_t, 4> p{numbers[t[0]], numbers[t[1]], numbers[t[2]], numbers[t[3]]};
         if (repeats_a_point(p)) continue;
         ++own.tetrahedra;
@@ -237,7 +237,7 @@ class Extraction {
   std::vector<std::uint64_t> cells_before_;       // [blocks + 1]
   std::vector<CellHandedness> handedness_;        // [active cells]
   int usual_sign_ = 1;
-  std::vector<FacetLabels> labels_;                  // [nt] where facets are wanted
+  std::vector<FacetLabels> labels_;                  // [nt] if facets are wanted
   std::vector<MeshSums> sums_;  // [blocks]
 };
 

@@ -288,7 +288,7 @@ class LawCheck {
     });
   }
 
-  /// Where the first unmatched facet is; only called where there is one.
+  /// Where the first unmatched facet is; only called if there is one.
   void find_unmatched() {
     struct Use {
       std::array<std::uint32_t, 3> points;

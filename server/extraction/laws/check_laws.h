@@ -51,8 +51,8 @@ struct Partition {
 /// again, all pieces in one conforming pass, and the sum of their signed volumes is compared with the volume enclosed by the
 /// facets in which they meet what is not among these cells (by the divergence theorem: exact for warped faces, too). The
 /// difference is what pieces overlap or leave open. Intervals that overlap are taken in as many passes as it needs. In batches of
-/// cells, so that the memory is bounded. Empty where the mesh has no tetrahedra. Throws what extract_intervals throws, and
-/// internal where a cell of the mesh is in no piece.
+/// cells, so that the memory is bounded. Empty if the mesh has no tetrahedra. Throws what extract_intervals throws, and
+/// internal if a cell of the mesh is in no piece.
 std::optional<Partition> partition_error(const Grid& grid, const PointArray& array, const IntervalMesh& mesh,
                                          const ExtractOptions& options, const Task& task);
 

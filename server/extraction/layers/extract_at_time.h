@@ -18,7 +18,7 @@ class KeptSpaceTime {
  public:
   struct Asked {
     std::shared_ptr<const SpaceTimeVolume> volume;
-    double build_ms = 0;  // 0 where it was there
+    double build_ms = 0;  // 0 if it was there
   };
   /// Throws what SpaceTimeVolume throws.
   Asked get(const std::shared_ptr<const Dataset>& first, const std::shared_ptr<const Dataset>& second, const std::string& array,

@@ -34,7 +34,7 @@ struct LayerRequest {
   bool tetrahedra = true;                 // as ExtractOptions: of whole values alone
   bool normals = false;                   // with terms and facets: fill Layers::normals
   bool body_normals = false;              // with terms: fill Layers::body_normals
-  std::uint64_t max_bytes = 16ull << 30;  // throws too_large, with the numbers, where more would be needed
+  std::uint64_t max_bytes = 16ull << 30;  // throws too_large, with the numbers, if more would be needed
 
   bool operator==(const LayerRequest&) const = default;
 };
@@ -45,7 +45,7 @@ struct LayerTime {
   TimeMode mode = TimeMode::step;  // what was done: `step` where interpolation was asked for just at a step, too
   int first = 0, second = 0;       // the steps that were used; equal where one was enough
   double weight = 0;               // of second
-  double build_ms = 0;             // to make the space-time volume; 0 where it was kept
+  double build_ms = 0;             // to make the space-time volume; 0 if it was kept
   double slice_ms = 0;             // to slice it
   std::int64_t simplices = 0;      // 4-simplices in it
   std::uint64_t bytes = 0;         // that it takes
@@ -80,7 +80,7 @@ struct LayerAids {
   OrderedMemory* ordered = nullptr;  // as ExtractOptions::ordered
   FaceMemory* faces = nullptr;       // as ExtractOptions::faces
   KeptSpaceTime* kept = nullptr;     // keeps the volume between two steps for the next slice
-  Extractor extractor;  // called in place of extract_intervals where that is all there is to do: one field, no terms, tables
+  Extractor extractor;  // called in place of extract_intervals if that is all there is to do: one field, no terms, tables
 };
 
 /// In space-time mode the volume between the two steps is made and sliced; a dataset of one step is extracted as it is. There

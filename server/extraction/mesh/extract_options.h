@@ -16,10 +16,10 @@ struct ExtractOptions {
   bool measure = true;                     // sum the volumes of the summaries and count what is inverted
   bool complement = false;                 // also what is below, between and above the intervals, as further intervals after them
   bool strict = false;                     // leave no tetrahedron turned against its cell (strict_triangulation.h)
-  std::uint64_t max_bytes = 16ull << 30;   // throws too_large, with the numbers, where the mesh would need more
+  std::uint64_t max_bytes = 16ull << 30;   // throws too_large, with the numbers, if the mesh would need more
   BrickMemory* bricks = nullptr;           // keeps what the next extraction of the same field can use: structured grids only
-  OrderedMemory* ordered = nullptr;        // used where it has the grid: grids of tetrahedra only
-  FaceMemory* faces = nullptr;             // used where it has the grid: unstructured grids only
+  OrderedMemory* ordered = nullptr;        // used if it has the grid: grids of tetrahedra only
+  FaceMemory* faces = nullptr;             // used if it has the grid: unstructured grids only
 };
 
 }  // namespace isostrata

@@ -61,7 +61,7 @@ struct IntervalSummary {
   Interval interval;
   std::int64_t active_cells = 0;
   std::int64_t tetrahedra = 0;
-  // 0 where ExtractOptions::measure is off:
+  // 0 if ExtractOptions::measure is off:
   double volume = 0;          // sum of absolute volumes
   double signed_volume = 0;   // sum of signed volumes; positive for the orientation of the cell they lie in
   std::int64_t inverted = 0;  // tetrahedra of the other sign
@@ -78,7 +78,7 @@ struct InnerPoints {
   std::vector<float> weights;
 };
 
-/// What the strict triangulation met and did, in active cells; all 0 where it was not asked for.
+/// What the strict triangulation met and did, in active cells; all 0 if it was not asked for.
 struct StrictSummary {
   std::int64_t turned_cells = 0;      // in which the tables' tetrahedra are turned against the cell; of these:
   std::int64_t pulled_cells = 0;      //   triangulated from another point, with the same boundary
@@ -93,7 +93,7 @@ struct StrictSummary {
 /// themselves (extract_areas.h). Immutable once made.
 struct IntervalMesh {
   Buffer<Vec3d> positions;                          // [np] world space
-  Buffer<PointOrigin> origins;                      // [np - inner points]; empty where ranges were combined: they lie on no edge
+  Buffer<PointOrigin> origins;                      // [np - inner points]; empty if ranges were combined: they lie on no edge
   Buffer<double> values;                            // [np] the array that was extracted on; empty unless asked for
   Buffer<std::array<std::uint32_t, 4>> tetrahedra;  // [nt] point indices, grouped by cell: see cell_runs
   Buffer<std::uint16_t> tetrahedron_interval;       // [nt] index into summaries

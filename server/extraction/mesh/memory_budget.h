@@ -10,7 +10,7 @@
 
 namespace isostrata {
 
-/// Throws too_large, with both numbers, where bytes > max_bytes.
+/// Throws too_large, with both numbers, if bytes > max_bytes.
 inline void check_budget(std::string_view what, std::uint64_t bytes, std::uint64_t max_bytes) {
   if (bytes > max_bytes)
     throw Error(ErrorCode::too_large, "extraction: " + std::string(what) + " would need " + std::to_string(bytes) +

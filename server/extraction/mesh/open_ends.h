@@ -8,7 +8,7 @@
 
 namespace isostrata {
 
-/// The same values by ends that are finite; an end that is no number stays one.
+/// The same values by ends that are finite; an end that is not a number stays one.
 inline Interval with_finite_ends(const Interval& interval) {
   constexpr double kMost = std::numeric_limits<double>::max();
   return {std::max(interval.lower, -kMost), std::min(interval.upper, kMost)};

@@ -18,7 +18,7 @@ namespace {
 
 constexpr std::int64_t kCellsPerBlock = 8192;
 
-/// Of a cell's values at both steps; nothing where one is not finite.
+/// Of a cell's values at both steps; nothing if one is not finite.
 struct Extremes {
   double lowest = std::numeric_limits<double>::infinity();
   double highest = -std::numeric_limits<double>::infinity();

@@ -71,7 +71,7 @@ struct SpaceTimeCells {
   Vec3d position(std::int64_t point, int step) const { return (step ? second : first)->grid.point(point); }
 };
 
-/// A cell is left out where it is hidden at a step or has a vertex whose value or position is not finite at a step. One look at
+/// A cell is left out if it is hidden at a step or has a vertex whose value or position is not finite at a step. One look at
 /// each cell at each step. Throws what check_same_cells and array_at_step throw, invalid_argument, too_large, cancelled.
 SpaceTimeCells find_space_time_cells(std::shared_ptr<const Dataset> first, std::shared_ptr<const Dataset> second,
                                      const std::string& array, const IsoRules& rules, std::uint64_t max_bytes, const Task& task);

@@ -142,7 +142,7 @@ class SpaceTimeSlicer {
     if (options_.values) out_.mesh.values[to] = at_a.value + (at_b.value - at_a.value) * weight;
   }
 
-  /// edge_state_: kUncut, or twice the number of the point of the slice, plus 1 where the edge rises from below to above.
+  /// edge_state_: kUncut, or twice the number of the point of the slice, plus 1 if the edge rises from below to above.
   void cut_edges() {
     const auto& edges = volume_.edges_;
     edge_state_.resize(edges.size());
@@ -182,7 +182,7 @@ class SpaceTimeSlicer {
     });
   }
 
-  /// Which of the 4-simplex's points are above the cut; 0 where it is not cut.
+  /// Which of the 4-simplex's points are above the cut; 0 if it is not cut.
   unsigned above_set(const SpaceTimeVolume::SimplexEdges& edges) const {
     unsigned differ = 0;  // from point 0
     bool rises = false;

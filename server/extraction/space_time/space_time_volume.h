@@ -29,7 +29,7 @@ struct SliceOptions {
   bool facets = false;                    // fill IntervalMesh::facets
   bool values = true;                     // fill IntervalMesh::values
   bool measure = true;                    // sum the volumes of the summaries and count what is inverted
-  std::uint64_t max_bytes = 16ull << 30;  // throws too_large, with the numbers, where the slice would need more
+  std::uint64_t max_bytes = 16ull << 30;  // throws too_large, with the numbers, if the slice would need more
 };
 
 /// The interval volume at one time. The mesh conforms, is labelled, and its cell runs are cells of the steps' grid, as those of

@@ -124,7 +124,7 @@ bool same_points(const PointSpan& a, const PointSpan& b, const Task& task) {
       a);
 }
 
-/// The first step's points on their way, owned by what is returned; nothing where they stay.
+/// The first step's points on their way, owned by what is returned; nothing if they stay.
 struct MovedPoints {
   PointSpan points;
   std::shared_ptr<const void> storage;

@@ -18,14 +18,14 @@ struct TimePlace {
   double weight = 0;  // how far the time is on the way from first to second, in [0, 1)
 };
 
-/// Throws invalid_argument, naming the dataset and its times, where `time` is not in [times.front(), times.back()].
+/// Throws invalid_argument, naming the dataset and its times, if `time` is not in [times.front(), times.back()].
 TimePlace place_time(const std::string& dataset, std::span<const double> times, double time);
 
 /// The step whose time is nearest; the earlier of two that are equally near. Throws as place_time.
 int nearest_step(const std::string& dataset, std::span<const double> times, double time);
 
-/// Throws unsupported, saying what differs, where the two steps' cells are not the same cells of the same points in the same
-/// order. Positions, values and what is hidden may differ. O(cells), nothing where both steps share their memory.
+/// Throws unsupported, saying what differs, if the two steps' cells are not the same cells of the same points in the same
+/// order. Positions, values and what is hidden may differ. O(cells), nothing if both steps share their memory.
 void check_same_cells(const Dataset& first, const Dataset& second, const Task& task);
 
 /// Whether any point of two steps of the same cells has another position. Throws cancelled. O(points).

@@ -22,7 +22,7 @@ struct PulledRegion {
 /// Tetrahedra with the same boundary as the given ones, facet by facet, and without one that is turned (volume < -tolerance).
 /// Each connected part that has one is triangulated anew: one of its points is joined to all boundary facets that it is not in,
 /// of the points that see them all the one with the fewest flat tetrahedra, then the fewest tetrahedra; and where none does, a
-/// point inside the part that sees all (kernel_point.h). Empty where a part has no such point either. positions: of all points
+/// point inside the part that sees all (kernel_point.h). Empty if a part has no such point either. positions: of all points
 /// that the tetrahedra name. faces: of each of these points the cell faces that it lies in, a bit each; no tetrahedron is laid
 /// into a face, where its facets would meet the neighbour's. Any thread.
 std::optional<PulledRegion> pull_region(std::span<const TetrahedronPoints> tetrahedra, const Vec3d* positions,

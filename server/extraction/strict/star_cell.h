@@ -37,7 +37,7 @@ struct StarCell {
   std::vector<Facet> facets;            // on the isosurfaces, in no particular direction
 };
 
-/// The parts of `intervals` (into rules.rules(), by increasing `lower`, not overlapping) in the cell. Empty where no point inside
+/// The parts of `intervals` (into rules.rules(), by increasing `lower`, not overlapping) in the cell. Empty if no point inside
 /// the cell sees all triangles of its faces: the cell is tangled, or without volume. Any thread.
 std::optional<StarCell> star_cell(const CellGeometry& cell, const IsoRules& rules, std::span<const std::uint16_t> intervals);
 

@@ -1,4 +1,4 @@
-// A grid of tetrahedra as one mesh that serves any intervals of an array: what is drawn of it is cut where it is drawn.
+// A grid of tetrahedra as one mesh that serves any intervals of an array: what is drawn of it is cut when it is drawn.
 //
 // A value f of single precision lies in an interval where begin <= f < end: with those two floats (value_bounds) the rule of the
 // ends (Interval) needs no special cases, and a tetrahedron is active in just the intervals that its least and greatest value

@@ -13,7 +13,7 @@ struct DirectionBatch {
   float at_a[3][kSize] = {}, at_b[3][kSize] = {};  // gradients at the two ends, [axis][point]
   float weight[kSize] = {};                        // of b
   Vec3f direction[kSize];                          // unit
-  std::uint8_t sure[kSize] = {};                   // false where single precision does not do, or there may be no direction
+  std::uint8_t sure[kSize] = {};                   // false if single precision does not do, or there may be no direction
 };
 /// Fills direction and sure of the first `count` points: the unit vectors of both gradients, mixed by the weight, made a unit
 /// vector.

@@ -13,8 +13,8 @@ namespace isostrata {
 
 enum class NormalsAt { facets, all_points };
 
-/// Unit vectors along the array's gradient at each mesh point, [np]; zero where there is none: a flat field, values that are not
-/// finite, cells without volume; and, with NormalsAt::facets of a mesh that has some, at points of none of them. Empty where the
+/// Unit vectors along the array's gradient at each mesh point, [np]; zero if there is none: a flat field, values that are not
+/// finite, cells without volume; and, with NormalsAt::facets of a mesh that has some, at points of none of them. Empty if the
 /// mesh's points do not know what they lie on (combined ranges, space-time slices).
 ///
 /// Gradients are made at grid points and carried to the mesh by its origins. On structured grids: central differences along

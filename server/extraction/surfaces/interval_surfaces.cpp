@@ -35,7 +35,7 @@ std::vector<Threshold> thresholds_of(std::span<const Interval> intervals, std::s
 
 struct Piece {
   std::vector<Vec3d> positions;
-  std::vector<Vec3f> normals;         // of those, where they are wanted
+  std::vector<Vec3f> normals;         // of those, if they are wanted
   std::vector<BoundaryFacet> facets;  // points from 0 on
   std::vector<std::int64_t> active;   // [intervals] cells
 };
@@ -157,7 +157,7 @@ class Cutter {
   }
 
   const BaseTetrahedra& base_;
-  const std::span<const Vec3f> directions_;  // at the base mesh's points; empty where no normals are wanted
+  const std::span<const Vec3f> directions_;  // at the base mesh's points; empty if no normals are wanted
   const std::vector<Interval> intervals_;
   const std::vector<ValueBounds> bounds_;
   const std::vector<Threshold> thresholds_;

@@ -24,7 +24,7 @@ struct SurfaceNormals {
   std::vector<Vec3f> normals;      // [np] filled
 };
 
-/// positions, facets, and summaries with the numbers of active cells; normals, where they are wanted, are those that
+/// positions, facets, and summaries with the numbers of active cells; normals, if they are wanted, are those that
 /// gradient_normals has for the extracted mesh. The result does not depend on threads. Throws too_large.
 IntervalMesh interval_surfaces(const BaseTetrahedra& base, std::span<const Interval> intervals,
                                SurfaceNormals* normals = nullptr);

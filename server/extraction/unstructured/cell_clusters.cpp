@@ -50,7 +50,7 @@ Box3d finite_bounds(const Grid& grid, const Task& task) {
   return total;
 }
 
-/// Where a cell's centroid lies on the curve through the box; at its end where that is nowhere.
+/// Where a cell's centroid lies on the curve through the box; at its end if that is nowhere.
 class Curve {
  public:
   explicit Curve(const Box3d& box) : lower_(box.lower) {

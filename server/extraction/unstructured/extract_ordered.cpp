@@ -232,8 +232,8 @@ class OrderedExtraction {
   const OrderedRows& rows_;
   std::unique_ptr<const OrderedCuts> cuts_;
   IntervalMesh mesh_;
-  Buffer<std::uint32_t> number_;  // [points and edges of the grid] of the mesh's points there, where there are some
-  Buffer<FacetLabels> labels_;    // [nt] where facets are wanted
+  Buffer<std::uint32_t> number_;  // [points and edges of the grid] of the mesh's points there, if there are some
+  Buffer<FacetLabels> labels_;    // [nt] if facets are wanted
   Buffer<std::uint8_t> open_;     // [runs] there, too
   std::vector<MeshSums> sums_;    // [chunks]
 };

@@ -118,7 +118,7 @@ class UnstructuredExtraction {
   /// Fills slots_ and the shapes of cells without a row, and counts tetrahedra.
   void ask_for_points() {
     const std::uint64_t uses = cases_.uses();
-    // Most points are used by several cells; where they are not, the table turns out too small and a larger one is made.
+    // Most points are used by several cells; if they are not, the table turns out too small and a larger one is made.
     std::uint64_t size = std::bit_ceil(std::max<std::uint64_t>(1024, uses / 2 + 1));
     const std::uint64_t enough = std::bit_ceil(std::max<std::uint64_t>(1024, 2 * uses));
     for (;; size = std::min(enough, size * 4)) {
@@ -139,7 +139,7 @@ class UnstructuredExtraction {
     accumulate(tetrahedra_before_);
   }
 
-  /// False where the table is full.
+  /// False if the table is full.
   bool ask_in_block(std::int64_t b, std::vector<LocalTetrahedron>& kept_shapes) {
     kept_shapes.clear();
     CellTriangulation triangulation(grid_);
@@ -269,7 +269,7 @@ class UnstructuredExtraction {
           mesh_.tetrahedron_interval[to++] = record.interval;
         }
       };
-      if (record.has_row) {  // positive where the cell's own orientation is
+      if (record.has_row) {  // positive if the cell's own orientation is
         const SortedTetrahedronRow& row = rows_[record.case_index];
         write(row.tetrahedra.data(), row.count, left_handed != record.odd);
         if (options_.facets) row.name_labels(record.places, left_handed != record.odd, labels_.data() + first);
@@ -332,7 +332,7 @@ class UnstructuredExtraction {
   std::optional<PointTable> table_;
   Buffer<std::uint32_t> slots_;  // [uses] in table_, then numbers of points
   Buffer<std::uint64_t> keys_;   // [np] of the points
-  Buffer<FacetLabels> labels_;   // [nt] where facets are wanted
+  Buffer<FacetLabels> labels_;   // [nt] if facets are wanted
 };
 
 }  // namespace

@@ -15,7 +15,7 @@
 
 namespace isostrata {
 
-/// What extract_intervals gives, whose contract holds here too; cells in increasing order. Nothing where the way does not reach:
+/// What extract_intervals gives, whose contract holds here too; cells in increasing order. Nothing if the way does not reach:
 /// structured grids, and those where two point ids and an isovalue do not fit 64 bits or cells do not fit 32. Any thread.
 std::optional<IntervalMesh> extract_unstructured(const Grid& grid, const PointArray& array, std::span<const Interval> intervals,
                                                  const ExtractOptions& options, const Task& task);

@@ -21,7 +21,7 @@ using OpenFacesOfCells = std::vector<std::uint8_t>;
 /// Of unstructured grids, each known for as long as it is in memory. Any thread may call any function. Lock: mutex_.
 class FaceMemory {
  public:
-  /// What was used longest ago is dropped where more than max_bytes would be kept.
+  /// What was used longest ago is dropped if more than max_bytes would be kept.
   explicit FaceMemory(std::uint64_t max_bytes) : max_bytes_(max_bytes) {}
 
   /// What make() found. Null if it did not, or if values of the array are not finite: which cells are present then depends on it.

@@ -74,7 +74,7 @@ void OrderedMemory::make(const Grid& grid, const Task& task) {
     if (found->made) return;
     lend_urgency(found->maker);
     changed_.wait_for(lock, std::chrono::milliseconds(20));
-    pulse();  // waiting is no hanging
+    pulse();  // waiting is not hanging
     task.check();
   }
   entries_.push_front({GridPlace::of(grid), grid.storage, false, current_work(), nullptr, 0, {}});

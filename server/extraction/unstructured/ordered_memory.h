@@ -27,15 +27,15 @@ struct OrderedField {
 /// whose points stay share one layout. Any thread may call any function. Lock: mutex_.
 class OrderedMemory {
  public:
-  /// What was used longest ago is dropped where more than max_bytes would be kept.
+  /// What was used longest ago is dropped if more than max_bytes would be kept.
   explicit OrderedMemory(std::uint64_t max_bytes) : max_bytes_(max_bytes) {}
 
-  /// The layout of the grid, if make() made it, and the array in it, ordered at the first call. Neither where a value is not
+  /// The layout of the grid, if make() made it, and the array in it, ordered at the first call. Neither if a value is not
   /// finite: the absent cells then depend on the array. Throws cancelled.
   OrderedField find(const Grid& grid, const PointArray& array, const Task& task);
   /// Whether make() has nothing left to do.
   bool knows(const Grid& grid);
-  /// Lays the grid out, some ten times the cost of an extraction; waits where another thread is at it, which then is in as much of a hurry. Notes grids that are not
+  /// Lays the grid out, some ten times the cost of an extraction; waits if another thread is at it, which then is in as much of a hurry. Notes grids that are not
   /// of tetrahedra, or too large to be kept, and does no more about them. Throws cancelled.
   void make(const Grid& grid, const Task& task);
 

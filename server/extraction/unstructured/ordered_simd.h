@@ -33,7 +33,7 @@ struct CutRow {
   std::uint8_t count = 0;
 };
 
-/// Writes rows[i]'s tetrahedra out of numbers[i], for i < count, one after another to `out`, where there is room for just these.
+/// Writes rows[i]'s tetrahedra out of numbers[i], for i < count, one after another to `out`, if there is room for just these.
 /// Any thread.
 void write_rows(const std::array<std::uint32_t, CutRow::kNumbers>* numbers, const CutRow* const* rows, std::size_t count,
                 std::span<std::array<std::uint32_t, 4>> out);

@@ -35,7 +35,7 @@ class OrderedTetrahedra {
  public:
   static constexpr std::size_t kBlock = 64, kPointBlock = 16;  // tetrahedra, and points, whose values' range is known
 
-  /// Null where the grid has other cells than tetrahedra, one that has a point twice, or more than 2^32 of anything.
+  /// Null if the grid has other cells than tetrahedra, one that has a point twice, or more than 2^32 of anything.
   /// O(cells log cells), on the pool; the result does not depend on threads. Throws too_large (more than max_bytes while it is
   /// made), cancelled.
   static std::shared_ptr<const OrderedTetrahedra> make(const Grid& grid, std::uint64_t max_bytes, const Task& task);
@@ -93,7 +93,7 @@ using OrderedArray =
                  OrderedValues<std::uint16_t>, OrderedValues<std::int32_t>, OrderedValues<std::uint32_t>,
                  OrderedValues<std::int64_t>, OrderedValues<std::uint64_t>, OrderedValues<float>, OrderedValues<double>>;
 
-/// One look at each tetrahedron and edge. Null where a value is not finite: which cells are absent then depends on the array.
+/// One look at each tetrahedron and edge. Null if a value is not finite: which cells are absent then depends on the array.
 /// Throws cancelled.
 std::shared_ptr<const OrderedArray> order_values(const OrderedTetrahedra& tetrahedra, const PointArray& array, const Task& task);
 std::uint64_t bytes_of(const OrderedArray& array);

@@ -54,7 +54,7 @@ SortedIds sort_ids(const std::int64_t* ids) {
   return out;
 }
 
-/// Of the cell's volume, as handedness_of() has it; without its square root where there is no doubt.
+/// Of the cell's volume, as handedness_of() has it; without its square root if there is no doubt.
 int sign_of(double volume, std::span<const Vec3d> points) {
   Box3d box;
   for (const Vec3d& p : points) box.include(p);
@@ -196,7 +196,7 @@ void UnstructuredCases::compare_points(std::span<const T> values) {
   });
 }
 
-/// Adds the cell's cases where it is active and not absent (active_cells.h).
+/// Adds the cell's cases if it is active and not absent (active_cells.h).
 template <CellType kType, int kVertices, class T>
 void UnstructuredCases::add_cases(std::int64_t cell, const std::int64_t* ids, std::span<const T> values,
                                   std::vector<CaseRecord>& records) const {

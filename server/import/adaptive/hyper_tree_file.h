@@ -29,7 +29,7 @@ struct HyperTrees {
   std::vector<FileArray> values;  // [cells][components]
 };
 
-/// Throws bad_data where the file is damaged, unsupported where it is of another version or packed by LZMA. How many children a tree has it does not check.
+/// Throws bad_data if the file is damaged, unsupported if it is of another version or packed by LZMA. How many children a tree has it does not check.
 HyperTrees read_hyper_trees(const ReadRequest& request, std::vector<std::string>& notes);
 
 }  // namespace isostrata

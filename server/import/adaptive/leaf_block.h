@@ -15,7 +15,7 @@ namespace isostrata {
 
 class LeafBlock {
  public:
-  /// Notes how many levels and leaves there are. `hidden`, of all boxes' cells one box after the other, or empty: 1 where a cell is not part of the volume. Throws as lattice_of and
+  /// Notes how many levels and leaves there are. `hidden`, of all boxes' cells one box after the other, or empty: 1 if a cell is not part of the volume. Throws as lattice_of and
   /// leaf_cells do. The request must outlive it.
   LeafBlock(const LevelBoxes& levels, const ReadRequest& request, std::vector<std::string>& notes, std::span<const std::uint8_t> hidden = {});
 

@@ -226,7 +226,7 @@ class LeafMaker {
     for (std::size_t i = 0; i < cycle_.size(); ++i) triangles_.insert(triangles_.end(), {middle, cycle_[i], cycle_[(i + 1) % cycle_.size()]});
   }
 
-  /// False where no finer cell is at a face or an edge of it.
+  /// False if no finer cell is at a face or an edge of it.
   bool add_pieces(const LatticePlace& cell) {
     const LatticePlace from = corner_of(cell);
     const std::int64_t unit = level(level_).unit;

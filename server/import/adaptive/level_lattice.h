@@ -50,8 +50,8 @@ struct LevelLattice {
   std::array<std::vector<double>, 3> axes;
 };
 
-/// Throws bad_data where boxes of a level overlap, where cells do not lie on a common lattice, where a box ends inside a cell of the next coarser level or lies partly beside it; unsupported
-/// where a level is not refined by the same whole number along all axes. `name` is the file's. O(n log n) for n boxes.
+/// Throws bad_data if boxes of a level overlap, cells do not lie on a common lattice, or a box ends inside a cell of the next coarser level or lies partly beside it; unsupported
+/// if a level is not refined by the same whole number along all axes. `name` is the file's. O(n log n) for n boxes.
 LevelLattice lattice_of(const LevelBoxes& levels, const std::string& name);
 
 }  // namespace isostrata

@@ -200,7 +200,7 @@ class Weigher {
     out_.first = std::vector<std::size_t>(out_.points.size() + 1);
     for_each_point_of_leaves([&](std::size_t, std::size_t, std::size_t at) { ++out_.first[at + 1]; });
     for (std::size_t at = 0; at < out_.points.size(); ++at)
-      if (middle_of_[at] >= 0) for_each_corner(at, [&](std::size_t corner) { out_.first[at + 1] += out_.first[corner + 1]; });  // not yet sums; corners are no middles
+      if (middle_of_[at] >= 0) for_each_corner(at, [&](std::size_t corner) { out_.first[at + 1] += out_.first[corner + 1]; });  // not yet sums; corners are not middles
     for (std::size_t at = 0; at < out_.points.size(); ++at) out_.first[at + 1] += out_.first[at];
   }
 

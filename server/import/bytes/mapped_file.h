@@ -28,7 +28,7 @@ struct FilePlace {
 /// A file mapped for reading. The pages come and go as they are used. The import child has one thread.
 class MappedFile {
  public:
-  /// Where in a file that is mapped now the bytes lie; nothing where they are in memory.
+  /// Where in a file that is mapped now the bytes lie; nothing if they are in memory.
   static std::optional<FilePlace> place_of(std::span<const std::byte> bytes) {
     auto above = mapped().upper_bound(bytes.data());
     if (bytes.empty() || above == mapped().begin()) return std::nullopt;

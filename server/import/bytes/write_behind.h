@@ -20,7 +20,7 @@ struct WriteCall {
 /// written when it returns, and so are all where there can be no thread. The others must stay until wait_for_written, or as long as `storage`, which the
 /// other thread lets go. close: the file, afterwards. Waits while kMostBehind calls are not done. Of one thread, and not before a fork.
 WriteCall write_behind(Hurry hurry, int file, std::span<const std::byte> bytes, bool close = false, std::shared_ptr<const void> storage = nullptr);
-/// Until this call, and all before it of its hurry, are done. Throws unavailable where any has ever failed: there is no dataset then.
+/// Until this call, and all before it of its hurry, are done. Throws unavailable if any has ever failed: there is no dataset then.
 void wait_for_written(const WriteCall& call);
 
 constexpr std::size_t kMostBehind = 64;

@@ -32,7 +32,7 @@ constexpr auto kSextets = sextets();
 /// How many bytes of text hold so many.
 std::uint64_t length_of(std::uint64_t bytes, bool base64) { return base64 ? (bytes + 2) / 3 * 4 : bytes; }
 
-/// Four letters, of which the last ones may be '='. How many bytes they are; 0 where they are none.
+/// Four letters, of which the last ones may be '='. How many bytes they are; 0 if they are none.
 std::size_t decode_quad(const std::byte* letters, std::uint8_t* to) {
   std::array<std::uint8_t, 4> of;
   for (std::size_t i = 0; i < 4; ++i) of[i] = kSextets[static_cast<unsigned char>(letters[i])];
@@ -47,7 +47,7 @@ std::size_t decode_quad(const std::byte* letters, std::uint8_t* to) {
   return bytes;
 }
 
-/// Bytes [at, at + count) of a text that begins at its beginning, decoded into `room` if they have to be. Nothing where they are not there.
+/// Bytes [at, at + count) of a text that begins at its beginning, decoded into `room` if they have to be. Nothing if they are not there.
 std::optional<std::span<const std::byte>> bytes_of(std::span<const std::byte> text, bool base64, std::uint64_t at, std::uint64_t count, std::vector<std::byte>& room) {
   if (!base64) {
     if (at > text.size() || count > text.size() - at) return std::nullopt;

@@ -41,7 +41,7 @@ struct CodedValues {
 /// What begins there and ends in `from`. Nothing if no values do, or more than so many bytes can hold.
 std::optional<CodedValues> coded_values(std::span<const std::byte> from, const XmlCoding& coding);
 
-/// All of the values in their own byte order, on the threads. Precondition: room for just these. False where they are damaged.
+/// All of the values in their own byte order, on the threads. Precondition: room for just these. False if they are damaged.
 bool decode(const CodedValues& values, std::span<std::byte> to);
 
 }  // namespace isostrata

@@ -81,7 +81,7 @@ std::optional<bool> condition_holds(std::string_view condition, vtkXMLDataElemen
   return std::nullopt;
 }
 
-/// Those of some brothers that a step takes. False where it is not understood.
+/// Those of some brothers that a step takes. False if it is not understood.
 bool take_brothers(XmlElements brothers, const PathStep& step, XmlElements& to) {
   if (step.name != "*") std::erase_if(brothers, [&](vtkXMLDataElement* one) { return step.name != one->GetName(); });
   for (const std::string_view condition : step.conditions) {

@@ -153,7 +153,7 @@ struct JoinedCells {
   Block block;
   bool split = false;                     // a block has added points
   std::vector<std::int64_t> first_points, first_cells;  // of each block
-  std::vector<std::int64_t> kept;         // of all blocks' cells, one after the other: those that are no ghosts
+  std::vector<std::int64_t> kept;         // of all blocks' cells, one after the other: those that are not ghosts
   std::int64_t all_cells = 0;
 };
 
@@ -222,7 +222,7 @@ void join_arrays(JoinedCells& joined, Imported& imported, bool shared) {
     for (const FileArray& array : block.arrays) {
       if (find(all, array)) continue;
       std::vector<const FileArray*> parts;
-      std::vector<FileArray> made;  // parts that are no array of a block as it is
+      std::vector<FileArray> made;  // parts that are not an array of a block as it is
       made.reserve(imported.blocks.size());
       std::size_t without = 0;
       for (const Block& other : imported.blocks) {

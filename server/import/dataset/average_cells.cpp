@@ -224,7 +224,7 @@ std::vector<double> sum_at_points(const Block& block, std::span<const FileArray*
 class WeightedValues {
  public:
   WeightedValues(const PointWeights& weights, const FileArray& array) : weights_(weights), array_(array) {}
-  /// Adds the point's numbers to `to`; false where the mean over its cells is its value.
+  /// Adds the point's numbers to `to`; false if the mean over its cells is its value.
   template <class Out>
   bool add(std::int64_t point, std::vector<Out>& to) {
     if (at_ == weights_.points.size() || weights_.points[at_] != point) return false;

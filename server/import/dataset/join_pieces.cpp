@@ -79,7 +79,7 @@ class Joiner {
     return global_points_.empty() || global_points_[static_cast<std::size_t>(p)] == global_points_[static_cast<std::size_t>(q)];
   }
 
-  /// Of an array that some pieces do not have, where it is NaN in all components.
+  /// Of an array that some pieces do not have, if it is NaN in all components.
   static bool no_value(const FileArray& array, std::int64_t p) {
     return std::visit(
         [&](auto values) {

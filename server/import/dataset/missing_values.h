@@ -6,7 +6,7 @@
 namespace isostrata {
 
 /// Makes NaN of the lowest or the highest value of an array, in all blocks, with a note, if it is one that is customary for this, is there more than once, lies apart from all others (by as much as these
-/// span; powers of ten by a thousand times that), and the others are no few values, as numbers of materials are. Whole numbers become real ones. Of an array of many values every n-th is looked at
+/// span; powers of ten by a thousand times that), and the others are not few values, as numbers of materials are. Whole numbers become real ones. Of an array of many values every n-th is looked at
 /// first. One that does not fit into memory once more stays as it is.
 void leave_out_missing(Imported& imported, const ReadRequest& request);
 

@@ -223,7 +223,7 @@ class ArrayWriter {
     list_.push_back(std::move(entry));
   }
 
-  /// Says in `entry` where they lie; false where they have to be written.
+  /// Says in `entry` where they lie; false if they have to be written.
   bool put_in_place(std::span<const std::byte> bytes, ScalarType type, json::object& entry) const {
     const auto place = writer_.in_place(bytes, size_of(type));
     if (!place || valid_utf8(place->file.string()) != place->file.string()) return false;

@@ -1,7 +1,7 @@
 // isostrata-import: reads one time step of one foreign file and writes plain arrays, or makes a copy of itself for each that is to be read. What it has
 // no reader for becomes isostrata-import-all's, if it is there. Started by data/import_door.h only; what a reader says:
 //   standard output   "progress FRACTION" lines
-//   standard error    one last line "error CODE MESSAGE" where it fails, exit status 1
+//   standard error    one last line "error CODE MESSAGE" if it fails, exit status 1
 #include <sys/prctl.h>
 
 #include <algorithm>

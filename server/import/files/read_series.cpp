@@ -86,7 +86,7 @@ Imported read_listed(const ReadRequest& request, const std::vector<Listed>& step
   return imported;
 }
 
-/// All of its steps with their times; none where the file does not say a time.
+/// All of its steps with their times; none if the file does not say a time.
 std::vector<double> times_of(const std::filesystem::path& file, const ReadRequest& request) {
   const FileKind kind = recognise(file).kind;
   if (kind == FileKind::amrex) return {read_amrex_header(file).time};

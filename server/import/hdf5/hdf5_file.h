@@ -34,18 +34,18 @@ enum class Hdf5Walk { all, none };
 
 class Hdf5File : public ArrayFile {
  public:
-  /// Throws bad_data where the library cannot open it. Without a walk through it arrays() is empty.
+  /// Throws bad_data if the library cannot open it. Without a walk through it arrays() is empty.
   explicit Hdf5File(const std::filesystem::path& file, Hdf5Walk walk = Hdf5Walk::all);
-  /// The array of numbers with at least one axis that is at that path; nothing where none is.
+  /// The array of numbers with at least one axis that is at that path; nothing if none is.
   std::optional<StoredArray> find(const std::string& path) const;
   bool has(const char* name) const;
   bool has_group(const char* name) const;
   /// An attribute of a group or an array: a text, or an array of letters; empty if there is none.
   std::string text(const std::string& path, const std::string& attribute) const;
-  /// An attribute of the root: its numbers, or its words of fixed length; empty where it has none.
+  /// An attribute of the root: its numbers, or its words of fixed length; empty if it has none.
   std::vector<double> numbers(const char* attribute) const;
   std::vector<std::string> words(const char* attribute) const;
-  /// The number beside a name in a table of names and numbers, as FLASH has them; nothing where there is none.
+  /// The number beside a name in a table of names and numbers, as FLASH has them; nothing if there is none.
   std::optional<double> number_beside(const char* table, std::string_view name) const;
   int lost_links() const { return lost_; }
   void read(const StoredArray& array, const std::vector<std::size_t>& from, const std::vector<std::size_t>& count, std::span<std::byte> to) const override;

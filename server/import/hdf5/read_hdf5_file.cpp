@@ -72,7 +72,7 @@ bool is_bare_dimension(hid_t dataset) {
   return std::string_view(text.data()).starts_with("This is a netCDF dimension but not a netCDF variable");
 }
 
-/// Nothing where it is no array of numbers.
+/// Nothing if it is not an array of numbers.
 std::optional<StoredArray> stored_array(hid_t dataset, const std::string& name) {
   const Hdf5Handle type(H5Dget_type(dataset), H5Tclose), space(H5Dget_space(dataset), H5Sclose);
   const int axes = H5Sget_simple_extent_ndims(space.id());

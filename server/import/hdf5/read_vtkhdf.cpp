@@ -31,7 +31,7 @@ namespace {
 #ifdef ISOSTRATA_READS_HDF5
 constexpr std::string_view kCells = "VTKHDF/CellData/", kField = "VTKHDF/FieldData/";
 
-/// The components of an array of so many cells; nothing where it does not have a value for each.
+/// The components of an array of so many cells; nothing if it does not have a value for each.
 std::optional<int> components_of(const StoredArray& array, std::int64_t cells) {
   const std::size_t tuples = std::accumulate(array.shape.begin(), array.shape.end() - 1, std::size_t{1}, std::multiplies<>());
   if (array.values() == static_cast<std::size_t>(cells)) return 1;

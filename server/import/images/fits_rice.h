@@ -9,7 +9,7 @@
 
 namespace isostrata {
 
-/// Numbers of 1 (without a sign), 2 or 4 bytes, in blocks of so many. False where the code ends before all of `to` are read, or the settings are none of the format's.
+/// Numbers of 1 (without a sign), 2 or 4 bytes, in blocks of so many. False if the code ends before all of `to` are read, or the settings are none of the format's.
 bool unpack_rice(std::span<const std::byte> code, int width, int block, std::span<std::int32_t> to);
 
 }  // namespace isostrata

@@ -178,7 +178,7 @@ std::vector<std::string> parse_data_files(const HeaderFields& fields, const std:
   return files;
 }
 
-/// Decides which axes are space, which hold components and which is time. Kinds say so; where they do not, an axis without
+/// Decides which axes are space, which hold components and which is time. Kinds say so; if they do not, an axis without
 /// direction among axes with one is a component if it is the fastest and time if it is the slowest, and a fourth plain axis is
 /// time.
 void assign_roles(std::vector<NrrdAxis>& axes, const HeaderFields& fields) {

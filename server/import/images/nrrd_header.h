@@ -20,8 +20,8 @@ enum class NrrdRole { space, component, time };
 struct NrrdAxis {
   std::int64_t size = 1;
   NrrdRole role = NrrdRole::space;
-  std::string kind;                             // as written, empty where not given
-  std::optional<double> spacing, lower, upper;  // "spacings", "axis mins", "axis maxs"; absent where not given or nan
+  std::string kind;                             // as written, empty if not given
+  std::optional<double> spacing, lower, upper;  // "spacings", "axis mins", "axis maxs"; absent if not given or nan
   bool cell_centered = false;
   std::optional<std::array<double, 3>> direction;  // "space directions"; absent for none
 };

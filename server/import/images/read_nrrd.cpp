@@ -109,7 +109,7 @@ FileArray gather(const NrrdHeader& header, const Axes& axes, std::span<const std
   return array;
 }
 
-/// The step's values as they lie in the one file that has them, where they are what gather() would copy: x, y and z in this order, then time.
+/// The step's values as they lie in the one file that has them, if they are what gather() would copy: x, y and z in this order, then time.
 std::optional<FileArray> in_place(const ReadRequest& request, const NrrdHeader& header, const Axes& axes, const std::shared_ptr<const MappedFile>& main,
                                   std::vector<std::string>& notes) {
   const bool in_order = axes.component.empty() && (!axes.time || *axes.time + 1 == header.axes.size()) &&

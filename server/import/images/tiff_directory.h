@@ -23,7 +23,7 @@ struct TiffDirectory {
   std::uint64_t first_strip = 0;  // where the first begins
 };
 
-/// Nothing for what is no TIFF or has a damaged directory: why, OpenImageIO says.
+/// Nothing for what is not a TIFF file or has a damaged directory: why, OpenImageIO says.
 std::optional<TiffDirectory> first_tiff_directory(std::span<const std::byte> file);
 
 /// Whether what follows the first `read` directories lies beyond the end of the file, of which the rest is missing.

@@ -28,7 +28,7 @@ struct TiffStack {
   std::int64_t planes() const { return channels * slices * frames; }
 };
 
-/// Nothing where neither says anything, or what is said makes no sense; then `why` says so, where somebody should know. `samples` are the components of a pixel.
+/// Nothing if neither says anything, or what is said makes no sense; then `why` says so, if somebody should know. `samples` are the components of a pixel.
 std::optional<TiffStack> describe_tiff_stack(const TiffDirectory& directory, int samples, std::string& why);
 
 }  // namespace isostrata

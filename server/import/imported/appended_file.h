@@ -43,7 +43,7 @@ class AppendedFile {
   AppendedFile(const AppendedFile&) = delete;
   AppendedFile& operator=(const AppendedFile&) = delete;
 
-  /// Throws unavailable where there is no room.
+  /// Throws unavailable if there is no room.
   void add(std::span<const T> values) {
     for (auto bytes = std::as_bytes(values); !bytes.empty();) {
       const std::size_t here = std::min(bytes.size(), kTogether - filling_.size());

@@ -6,8 +6,8 @@
 
 namespace isostrata {
 
-/// From the field array TimeValue or TIME in the first 64 KiB of an XML file (its text; the value where it is appended; else its range) or of a legacy file.
-/// Nothing where there is none, or it is not one finite number.
+/// From the field array TimeValue or TIME in the first 64 KiB of an XML file (its text; the value if it is appended; else its range) or of a legacy file.
+/// Nothing if there is none, or it is not one finite number.
 std::optional<double> declared_time(const std::filesystem::path& file);
 
 }  // namespace isostrata

@@ -25,7 +25,7 @@ struct FileArray {
   bool on_cells = false;
   int components = 1;
   ScalarType type = ScalarType::float32;
-  bool partial = false;               // some blocks have no such array: NaN there, which is no value
+  bool partial = false;               // some blocks have no such array: NaN there, which is not a value
   std::span<const std::byte> values;  // [tuples][components], native byte order
   std::shared_ptr<const void> storage;
 };
@@ -42,7 +42,7 @@ struct PointWeights {
 struct Block {
   Grid grid;
   std::vector<FileArray> arrays;
-  /// [cells] which cell of the file each is (a part of), not decreasing; empty where each is one of its own.
+  /// [cells] which cell of the file each is (a part of), not decreasing; empty if each is one of its own.
   std::vector<std::int64_t> source;
   PointWeights weights;             // of cells of several sizes around a point
   std::int64_t added_points = 0;  // the last points of the grid are not in the file: cells were split about them
@@ -75,19 +75,19 @@ struct ReadRequest {
 /// "array 2" for the second array of a block if it has no name, or the one that VTK's writers give to such: "Array 0x55d0c1a0", an address, which differs from step to step.
 std::string name_or_place(const std::string& name, std::size_t place);
 
-/// Throws too_large where the running total passes the limit. `what` names the file.
+/// Throws too_large if the running total passes the limit. `what` names the file.
 void check_bytes(const ReadRequest& request, std::uint64_t bytes, const std::string& what);
 
-/// A product of sizes; throws bad_data where it overflows 2^62 or a factor is negative.
+/// A product of sizes; throws bad_data if it overflows 2^62 or a factor is negative.
 std::int64_t checked_product(std::initializer_list<std::int64_t> sizes, const std::string& what);
 
-/// Throws not_found where step is not one of `steps`.
+/// Throws not_found if step is not one of `steps`.
 void check_step(const ReadRequest& request, std::size_t steps);
 
-/// Resolves a file that `from` refers to. Throws bad_data where it does not lie below the directory of `from`, not_found where there is no such file.
+/// Resolves a file that `from` refers to. Throws bad_data if it does not lie below the directory of `from`, not_found if there is no such file.
 std::filesystem::path referred_file(const std::filesystem::path& from, const std::string& name);
 
-/// Only the first half: throws bad_data where the name is absolute or leaves the directory of `from`, whatever is there.
+/// Only the first half: throws bad_data if the name is absolute or leaves the directory of `from`, whatever is there.
 void check_name_below(const std::filesystem::path& from, const std::string& name);
 
 /// Appends it if it is new. "12 vtkQuad skipped" of one piece and "3 vtkQuad skipped" of another are 15.

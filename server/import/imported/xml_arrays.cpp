@@ -265,7 +265,7 @@ void XmlBits::append(const XmlBits& others, std::uint64_t many) {
   bytes.resize(static_cast<std::size_t>((count + many + 7) / 8));
   std::size_t to = static_cast<std::size_t>(count / 8);
   for (std::uint64_t at = 0; at < known; at += 8, ++to) {
-    // What is beyond the last one is no value of theirs.
+    // What is beyond the last one is not a value of theirs.
     const auto eight = static_cast<std::uint8_t>(others.bytes[static_cast<std::size_t>(at / 8)] & (known - at < 8 ? 0xff00u >> (known - at) : 0xffu));
     bytes[to] |= static_cast<std::uint8_t>(eight >> shift);
     if (shift > 0 && to + 1 < bytes.size()) bytes[to + 1] = static_cast<std::uint8_t>(eight << (8 - shift));

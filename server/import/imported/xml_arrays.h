@@ -32,7 +32,7 @@ struct XmlBits {
   std::vector<std::uint8_t> bytes;
   std::uint64_t count = 0;
 
-  /// 0 where there is none.
+  /// 0 if there is none.
   bool operator[](std::uint64_t at) const { return at < count && (bytes[at / 8] >> (7 - at % 8) & 1) != 0; }
   void append(bool value) {
     if (count % 8 == 0) bytes.push_back(0);
@@ -59,9 +59,9 @@ class XmlArrays {
 
   vtkXMLDataElement* root() const { return root_; }
 
-  /// Where the values of a DataArray stand that are not text, of any type; nothing where none stand there.
+  /// Where the values of a DataArray stand that are not text, of any type; nothing if none stand there.
   std::optional<CodedValues> coded(vtkXMLDataElement* element) const;
-  /// What a DataArray of numbers, or one of bits, holds, as text or not. Nothing where it is damaged. Somebody has said that there is room for it.
+  /// What a DataArray of numbers, or one of bits, holds, as text or not. Nothing if it is damaged. Somebody has said that there is room for it.
   std::optional<FileArray> values(vtkXMLDataElement* element) const;
   std::optional<XmlBits> bits(vtkXMLDataElement* element) const;
 
@@ -69,7 +69,7 @@ class XmlArrays {
   std::optional<XmlArray> array(vtkXMLDataElement* element) const;
   /// Of this many tuples and no more.
   std::optional<XmlArray> array(vtkXMLDataElement* element, std::uint64_t tuples) const;
-  /// Appends the arrays of a PointData or CellData. False if one of them is no such array, or says what belongs to no array: ghosts, numbers in a whole.
+  /// Appends the arrays of a PointData or CellData. False if one of them is not such an array, or says what belongs to no array: ghosts, numbers in a whole.
   bool add_values(vtkXMLDataElement* attributes, bool on_cells, std::uint64_t tuples, std::vector<XmlArray>& to) const;
 
  private:
@@ -83,7 +83,7 @@ class XmlArrays {
   XmlCoding coding_;          // of what is appended
 };
 
-/// Throws bad_data where a file ends before one of its appended arrays that are not packed does, of any byte order: VTK's readers take what is missing for zeros.
+/// Throws bad_data if a file ends before one of its appended arrays that are not packed does, of any byte order: VTK's readers take what is missing for zeros.
 /// Of packed ones, and of what is not appended, they see it.
 void check_appended(const std::filesystem::path& file);
 
@@ -91,7 +91,7 @@ std::string_view attribute(vtkXMLDataElement* element, const char* name);
 
 /// What those of them take in memory that do not lie in the file as there.
 std::uint64_t decoded_bytes(const std::vector<XmlArray>& arrays);
-/// Its values as in memory; nothing where they are damaged. Somebody has said that there is room for them.
+/// Its values as in memory; nothing if they are damaged. Somebody has said that there is room for them.
 std::optional<FileArray> decoded(const XmlArray& array);
 /// All of them, at addresses where several components can be read as numbers.
 std::optional<std::vector<FileArray>> decoded(const std::vector<XmlArray>& arrays);

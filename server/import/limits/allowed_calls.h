@@ -4,7 +4,7 @@
 namespace isostrata {
 
 /// From now on every other call fails with ENOSYS, as on a kernel that does not have it, so that libraries take their older way.
-/// False where the kernel takes no filter.
+/// False if the kernel takes no filter.
 bool allow_only_reading_calls();
 
 }  // namespace isostrata

@@ -41,7 +41,7 @@ bool stands_alone(const fs::path& file) {
   return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
 }
 
-/// kMost where it is too many files to look at.
+/// kMost if it is too many files to look at.
 std::uint64_t stored_bytes(const fs::path& file) {
   std::error_code error;
   const std::uint64_t own = fs::file_size(file, error);

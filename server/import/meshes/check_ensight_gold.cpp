@@ -105,7 +105,7 @@ void read_block(GoldFile& file, const std::string& line, GoldPart& part) {
   if (line.find("iblanked") != std::string::npos) file.step_over(points);
 }
 
-/// Cells of one kind; false where this knows no such.
+/// Cells of one kind; false if this knows no such.
 bool read_cells(GoldFile& file, const std::string& kind, bool ids, GoldPart& part) {
   const bool sided = kind == "nsided" || kind == "g_nsided", faced = kind == "nfaced" || kind == "g_nfaced";
   const std::uint64_t points = points_of(kind);

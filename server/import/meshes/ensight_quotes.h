@@ -11,7 +11,7 @@ namespace isostrata {
 void make_links_without_blanks(const ReadRequest& request);
 
 /// The case itself, or a copy of it in request.scratch whose names have neither quotes nor blanks, and lead back to the case's files, with the numbers of files that it names.
-/// Throws bad_data where such a file holds other than numbers, unsupported where a name is too long.
+/// Throws bad_data if such a file holds other than numbers, unsupported if a name is too long.
 std::filesystem::path case_for_reader(const ReadRequest& request);
 
 /// Removes these links.

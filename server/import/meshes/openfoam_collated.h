@@ -22,7 +22,7 @@ struct CollatedCase {
 /// Whether a case has times and a mesh that belong to no processor: then nobody looks at theirs.
 bool is_put_together(const std::filesystem::path& folder);
 
-/// From the names of its folders alone. Throws bad_data where they are not all there, or have no time in common; too_large where there are too many.
+/// From the names of its folders alone. Throws bad_data if they are not all there, or have no time in common; too_large if there are too many.
 CollatedCase collated_case(const std::filesystem::path& folder, const std::string& name);
 
 /// The folders that take_apart writes into, in request.scratch, of a file that is such a case; else nothing. For whoever may soon make no more folders.
@@ -31,7 +31,7 @@ void make_folders_of_processors(const ReadRequest& request);
 /// The case of each processor as files of its own.
 class TakenApart {
  public:
-  /// The mesh as it is at the request's step, as the constant one, and the fields of this step. Throws bad_data where a file is cut off or has another number of blocks, not_found where a
+  /// The mesh as it is at the request's step, as the constant one, and the fields of this step. Throws bad_data if a file is cut off or has another number of blocks, not_found if a
   /// mesh lacks a file.
   TakenApart(const CollatedCase& of, const ReadRequest& request);
   ~TakenApart();  // removes them

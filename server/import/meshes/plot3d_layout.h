@@ -26,7 +26,7 @@ struct Plot3dContents {
   std::vector<double> numbers;
 };
 
-/// Throws not_found, bad_data (a word in a text file that is no number), too_large.
+/// Throws not_found, bad_data (a word in a text file that is not a number), too_large.
 Plot3dContents load_plot3d(const std::filesystem::path& file, std::uint64_t max_bytes);
 
 struct Plot3dFormat {

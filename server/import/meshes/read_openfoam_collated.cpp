@@ -52,7 +52,7 @@ std::map<double, std::string> times_of(const fs::path& folder) {
   return out;
 }
 
-/// Where the entry FoamFile of a text ends; 0 where there is none.
+/// Where the entry FoamFile of a text ends; 0 if there is none.
 std::size_t end_of_header(std::string_view text) {
   const auto at = text.substr(0, kLongestHead).find("FoamFile"), open = at == std::string_view::npos ? at : text.find('{', at);
   const auto close = open == std::string_view::npos ? open : text.substr(0, 2 * kLongestHead).find('}', open);

@@ -21,7 +21,7 @@ std::string upper_case(std::string text) {
   return text;
 }
 
-/// `name` with the last `from` (any case) replaced by `to`, in upper case where `from` stood in upper case; empty where there is
+/// `name` with the last `from` (any case) replaced by `to`, in upper case where `from` stood in upper case; empty if there is
 /// none.
 std::string replaced(const std::string& name, const std::string& from, std::string to) {
   const auto at = lower(name).rfind(from);

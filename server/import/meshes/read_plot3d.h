@@ -1,4 +1,4 @@
-// PLOT3D: a grid file, its solution file beside it, and its function file where there is one.
+// PLOT3D: a grid file, its solution file beside it, and its function file if there is one.
 #pragma once
 
 #include "import/imported/imported.h"

@@ -50,7 +50,7 @@ std::optional<CfField> cf_field(const std::vector<int>& dimensions, const std::f
 /// Which of them are over the same axes of space as the best: over the most, with a time, of the most values; then the most variables, then the first. Empty if there are none.
 std::vector<std::size_t> best_cf_fields(std::span<const CfField> all);
 
-/// Which axis of a block over these (0: the last of them) is x, which y and which z; nothing where they do not say, or where the order is this one. Two or three.
+/// Which axis of a block over these (0: the last of them) is x, which y and which z; nothing if they do not say, or where the order is this one. Two or three.
 std::optional<std::array<std::size_t, 3>> cf_turned(const std::vector<CfAxis>& axes);
 
 /// The places that a coordinate variable has, upwards if they are depths; counted from 0 if these are not `length` numbers that go one way, which a note says.

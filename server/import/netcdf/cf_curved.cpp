@@ -44,7 +44,7 @@ class Curves {
   }
 
  private:
-  /// Its values over the axes of space at the moment; nothing where it has another axis.
+  /// Its values over the axes of space at the moment; nothing if it has another axis.
   std::optional<Term> term(const std::string& name) const {
     const auto dimensions = variables_.dimensions(name);
     if (!dimensions) return std::nullopt;

@@ -23,13 +23,13 @@ struct NetcdfSteps {
   std::string units;
 };
 
-/// Of one dimension all steps, those of a time twice as well; of several the times that any of them has. Throws bad_data where a time is not a finite number.
+/// Of one dimension all steps, those of a time twice as well; of several the times that any of them has. Throws bad_data if a time is not a finite number.
 NetcdfSteps netcdf_steps(const NetcdfGroup& file, const std::vector<int>& dimensions, const std::string& name);
 
 /// What the coordinate of a dimension says of itself.
 CfAxis netcdf_axis(const NetcdfGroup& file, int dimension);
 
-/// Which axis of a block over these dimensions (0: the last of them) is x, which y and which z; nothing where they do not say, or where the order is this one.
+/// Which axis of a block over these dimensions (0: the last of them) is x, which y and which z; nothing if they do not say, or where the order is this one.
 std::optional<std::array<std::size_t, 3>> netcdf_turned(const NetcdfGroup& file, const std::vector<int>& dimensions);
 
 /// As place_on_curves, for the variable at a step.

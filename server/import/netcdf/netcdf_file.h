@@ -42,12 +42,12 @@ class NetcdfGroup {
   /// The variable that says where the points of a dimension are, over it alone and of its name: of this group, else of those that it lies in, else of the first that has it (CF 1.8, section 2.7).
   std::optional<NetcdfVariable> coordinate(int dimension) const;
 
-  /// Nothing where it does not hold numbers. Bytes and whole numbers have a sign if it does not say otherwise.
+  /// Nothing if it does not hold numbers. Bytes and whole numbers have a sign if it does not say otherwise.
   std::optional<ScalarType> type(int variable) const;
-  /// An attribute of a variable, or of the file (NC_GLOBAL); empty where it has none of the kind.
+  /// An attribute of a variable, or of the file (NC_GLOBAL); empty if it has none of the kind.
   std::string text(int variable, const char* attribute) const;
   std::vector<double> numbers(int variable, const char* attribute) const;
-  /// All of a variable; empty where it cannot be read as numbers.
+  /// All of a variable; empty if it cannot be read as numbers.
   std::vector<double> values(int variable) const;
 
  private:
@@ -65,14 +65,14 @@ struct NetcdfVariable {
   std::string name() const { return group.name(variable); }
   std::string text(const char* attribute) const { return group.text(variable, attribute); }
   bool is_packed() const { return !group.numbers(variable, "scale_factor").empty() || !group.numbers(variable, "add_offset").empty(); }
-  /// All of it, unpacked; empty where it cannot be read as numbers.
+  /// All of it, unpacked; empty if it cannot be read as numbers.
   std::vector<double> values() const;
 };
 
 /// The root of a file, which is open as long as this lives.
 class NetcdfFile : public NetcdfGroup {
  public:
-  /// Throws bad_data where the library cannot open it.
+  /// Throws bad_data if the library cannot open it.
   explicit NetcdfFile(const std::filesystem::path& file);
   ~NetcdfFile();
   NetcdfFile(const NetcdfFile&) = delete;

@@ -11,10 +11,10 @@
 namespace isostrata {
 
 /// The variables over the most axes of space, in any group, at a step along their axis of time, wherever that stands; four axes of which none is time have their first as steps.
-/// Places are those of the coordinate variables. Nothing where no variable has two or three axes of space.
+/// Places are those of the coordinate variables. Nothing if no variable has two or three axes of space.
 std::optional<Imported> read_netcdf_placed(const NetcdfFile& file, const ReadRequest& request);
 
-/// Over how many axes of space the best variables in groups are; 0 where there are none.
+/// Over how many axes of space the best variables in groups are; 0 if there are none.
 std::size_t netcdf_axes_in_groups(const NetcdfFile& file);
 
 /// Whether a dimension's coordinate says that it is time.

@@ -11,7 +11,7 @@
 
 namespace isostrata {
 
-/// `count` values of a variable along each of its axes: scaled as it says, and NaN where it has none, which makes real numbers of whole ones. Throws bad_data.
+/// `count` values of a variable along each of its axes: scaled as it says, and NaN if it has none, which makes real numbers of whole ones. Throws bad_data.
 vtkSmartPointer<vtkDataArray> netcdf_values(const NetcdfGroup& file, int variable, const std::vector<std::size_t>& from, const std::vector<std::size_t>& count);
 
 /// What such values are stored as.

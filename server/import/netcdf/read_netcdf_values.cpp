@@ -56,7 +56,7 @@ std::vector<T> attribute_as(const NetcdfGroup& file, int variable, const char* a
   return out;
 }
 
-/// The library writes a number of its own where nobody has written one, but not for bytes, all of which may be values.
+/// The library writes a number of its own if nobody has written one, but not for bytes, all of which may be values.
 template <class T>
 std::vector<T> fills_of(const NetcdfGroup& file, int variable) {
   std::vector<T> fills = attribute_as<T>(file, variable, "_FillValue");

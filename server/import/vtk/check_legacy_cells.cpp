@@ -33,7 +33,7 @@ bool is_keyword(std::string_view text, std::string_view keyword) {
          std::isspace(static_cast<unsigned char>(text[keyword.size()]));
 }
 
-/// What follows the first line that begins with `keyword`; empty where there is none.
+/// What follows the first line that begins with `keyword`; empty if there is none.
 std::string_view after_keyword(std::string_view text, std::string_view keyword) {
   for (auto newline = text.find('\n'); newline != std::string_view::npos; newline = text.find('\n', newline + 1)) {
     std::string_view line = text.substr(newline + 1);

@@ -19,21 +19,21 @@ struct MetaHeader {
   std::string data;                                        // what ElementDataFile says; never empty
   std::uint64_t end = 0;                                   // where what is behind the header begins
 
-  /// Empty where there is none of the name.
+  /// Empty if there is none of the name.
   std::string_view field(std::string_view name) const;
   /// Whether the values are behind the header, in the same file.
   bool local() const { return data == "LOCAL" || data == "Local" || data == "local"; }
-  /// Nothing where ElementType is none. MET_LONG has four bytes everywhere, as MetaIO and ITK have it.
+  /// Nothing if ElementType is none. MET_LONG has four bytes everywhere, as MetaIO and ITK have it.
   std::optional<ScalarType> type() const;
   /// DimSize, of one to three axes, each of a point or more; else empty.
   std::vector<std::int64_t> sizes() const;
-  /// Numbers in each point; nothing where that makes no sense.
+  /// Numbers in each point; nothing if that makes no sense.
   std::optional<std::int64_t> channels() const;
   bool compressed() const { return says_yes(field("CompressedData")); }
   bool big_endian() const { return says_yes(field("BinaryDataByteOrderMSB")) || says_yes(field("ElementByteOrderMSB")); }
   /// As MetaIO has it, yes if nothing is said.
   bool binary() const { return field("BinaryData").empty() || says_yes(field("BinaryData")); }
-  /// Of the values, when they are unpacked; nothing where the fields that say so make no sense.
+  /// Of the values, when they are unpacked; nothing if the fields that say so make no sense.
   std::uint64_t declared_bytes() const;
 
  private:

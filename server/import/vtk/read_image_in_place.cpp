@@ -37,7 +37,7 @@ std::optional<FileArray> array_at(const std::shared_ptr<const MappedFile>& file,
   return array;
 }
 
-/// Of its extent; nothing where that is none.
+/// Of its extent; nothing if that is none.
 std::optional<std::uint64_t> point_count(const int (&extent)[6]) {
   std::uint64_t points = 1;
   for (int a = 0; a < 3; ++a) {

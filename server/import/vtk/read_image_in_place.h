@@ -15,7 +15,7 @@ namespace isostrata {
 std::optional<Imported> vti_in_place(const ReadRequest& request);
 std::optional<Imported> meta_image_in_place(const ReadRequest& request, const MetaHeader& header);
 
-/// An image of these values, placed by VTK's reader. Nothing where that has another number of points.
+/// An image of these values, placed by VTK's reader. Nothing if that has another number of points.
 std::optional<Imported> placed_meta_image(const ReadRequest& request, const MetaHeader& header, FileArray array);
 
 }  // namespace isostrata

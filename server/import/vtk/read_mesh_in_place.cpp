@@ -131,7 +131,7 @@ bool same_values(const XmlArray& a, const XmlArray& b) {
 }
 
 /// Whether the file that the caller has in memory holds the very same mesh, which is its grid as it is: VTK's reader divides other cells, about points that
-/// no file has. Also no where that cannot be told.
+/// no file has. Also no if that cannot be told.
 bool is_like(const ReadRequest& request, const MeshArrays& arrays) {
   if (request.like.empty() || std::any_of(arrays.values.begin(), arrays.values.end(), [](const XmlArray& array) { return array.as.on_cells; })) return false;
   try {

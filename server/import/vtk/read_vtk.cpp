@@ -162,7 +162,7 @@ void check_arrays(const ReadRequest& request) {
   }
 }
 
-/// VTK 9.1 says which array of PointData cannot be read where it is one of CellData: if there is no such, it crashes.
+/// VTK 9.1 says which array of PointData cannot be read if it is one of CellData: if there is no such, it crashes.
 void check_cell_arrays(vtkXMLDataElement* element, const XmlArrays& xml, const std::string& name) {
   const auto count = [](vtkXMLDataElement* arrays) { return arrays ? arrays->GetNumberOfNestedElements() : 0; };
   vtkXMLDataElement* const cells = element->FindNestedElementWithName("CellData");

@@ -172,7 +172,7 @@ void add_arrays(vtkDataSetAttributes* attributes, bool on_cells, vtkIdType tuple
   }
 }
 
-/// vtkGhostType of cells or points, whatever integers it is written in; nothing where there is none.
+/// vtkGhostType of cells or points, whatever integers it is written in; nothing if there is none.
 vtkDataArray* ghosts(vtkDataSetAttributes* attributes, vtkIdType expected, const char* of, const std::string& name) {
   vtkDataArray* array = vtkDataArray::SafeDownCast(attributes->GetAbstractArray(vtkDataSetAttributes::GhostArrayName()));
   if (array && array->GetNumberOfValues() != expected)

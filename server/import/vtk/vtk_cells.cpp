@@ -256,7 +256,7 @@ class CellKeeper {
     kept_.source.push_back(c);
   }
 
-  /// The hull of the cell's points; false where they are too many.
+  /// The hull of the cell's points; false if they are too many.
   bool read_point_set(vtkIdType c) {
     cells_->GetCellAtId(c, corners_);
     if (corners_->GetNumberOfIds() > static_cast<vtkIdType>(kMostHullPoints)) return false;

@@ -1,4 +1,4 @@
-// The 3-D cells of a vtkUnstructuredGrid; where it has none, its triangles and quadrilaterals.
+// The 3-D cells of a vtkUnstructuredGrid; if it has none, its triangles and quadrilaterals.
 #pragma once
 
 #include <cstdint>
@@ -32,7 +32,7 @@ struct KeptCells {
   /// If there is an owner, in place of offsets and connectivity: in VTK's memory as we have them, or in a file of the request's folder.
   std::span<const std::int64_t> own_offsets, own_connectivity;
   std::shared_ptr<const void> owner;  // of these
-  /// [cells] the cell's number in the file, not decreasing: pieces of one cell follow each other; empty where every cell of the
+  /// [cells] the cell's number in the file, not decreasing: pieces of one cell follow each other; empty if every cell of the
   /// file is one cell here.
   std::vector<std::int64_t> source;
   AddedPoints added;

@@ -14,7 +14,7 @@ namespace isostrata {
 /// Tells request.progress how far the reader is. The request must outlive the reader's work.
 void report_progress(vtkAlgorithm* reader, const ReadRequest& request);
 
-/// The times that a reader's information lists; empty where it lists none. After UpdateInformation. `name` is the file's.
+/// The times that a reader's information lists; empty if it lists none. After UpdateInformation. `name` is the file's.
 std::vector<double> listed_times(vtkAlgorithm* reader, const std::string& name);
 
 /// The time that a file says it has, as ParaView and VTK write it; {0} where it says none.

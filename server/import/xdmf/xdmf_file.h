@@ -35,11 +35,11 @@ struct XdmfElement {
 
 class XdmfFile {
  public:
-  /// Throws bad_data where it is no XML, or its first element is not <Xdmf>; too_large above 1 GiB.
+  /// Throws bad_data if it is not XML, or its first element is not <Xdmf>; too_large above 1 GiB.
   explicit XdmfFile(const ReadRequest& request);
 
   XdmfElement root() { return open(request_.file); }
-  /// The elements in one, with what is referred to in place of what refers. Throws bad_data where nothing is there, or references go round; unsupported for paths that are not understood.
+  /// The elements in one, with what is referred to in place of what refers. Throws bad_data if nothing is there, or references go round; unsupported for paths that are not understood.
   std::vector<XdmfElement> children(const XdmfElement& of);
   /// Of this name, in the same way.
   std::vector<XdmfElement> children(const XdmfElement& of, std::string_view name);

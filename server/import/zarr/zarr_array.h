@@ -30,7 +30,7 @@ struct ZarrShards {
 struct ZarrPacking {
   double scale = 1, offset = 0;
   bool divides = false;
-  std::optional<double> none{};  // the stored number that is no value
+  std::optional<double> none{};  // the stored number that is not a value
 };
 
 struct ZarrArray {
@@ -49,7 +49,7 @@ struct ZarrArray {
   std::optional<ZarrPacking> packing;
   bool swap = false;                      // the chunks have the other byte order
   std::array<std::byte, 8> fill{};        // one value, in the machine's byte order
-  bool fill_is_none = false;              // it says that it has a fill value, which to netCDF's conventions is no value
+  bool fill_is_none = false;              // it says that it has a fill value, which to netCDF's conventions is not a value
   std::vector<ZarrCodec> codecs;          // in the order in which they packed; one of them packs at most
   std::string key_prefix;                 // of a chunk's file: "" or "c/"
   char separator = '.';                   // between two of its numbers

@@ -11,7 +11,7 @@
 
 namespace isostrata {
 
-/// Appends to the block an array for each channel of the box, named by its number, by way of files in request.scratch. Throws what read_zarr_box throws, and too_large where a chunk
+/// Appends to the block an array for each channel of the box, named by its number, by way of files in request.scratch. Throws what read_zarr_box throws, and too_large if a chunk
 /// is larger than the request allows.
 ZarrCount add_zarr_arrays(ZarrStore& store, const ZarrArray& array, const ZarrBox& box, const ReadRequest& request, const std::function<std::string(std::size_t)>& name, Block& block);
 

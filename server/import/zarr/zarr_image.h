@@ -23,7 +23,7 @@ struct ZarrAxis {
 
 struct ZarrImage {
   std::string level;            // the folder of its array below the store's; empty: the store's own
-  std::vector<ZarrAxis> axes;   // empty: not said, as in versions 0.1 and 0.2, where they are t, c, z, y, x
+  std::vector<ZarrAxis> axes;   // empty: not said, as in versions 0.1 and 0.2, if they are t, c, z, y, x
   std::vector<std::string> channels;
   std::vector<std::string> notes;
 };

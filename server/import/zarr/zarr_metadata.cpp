@@ -32,7 +32,7 @@ bool take_bits(const ZarrArray& array, std::string_view text, std::array<std::by
   return true;
 }
 
-/// "<u2" as the type and order of bytes of what the array's chunks hold; nothing where it is none.
+/// "<u2" as the type and order of bytes of what the array's chunks hold; nothing if it is none.
 std::optional<ZarrArray> stored_as(const ZarrArray& array, const std::string& type) {
   if (type.size() < 2 || std::string_view("<>|=").find(type[0]) == std::string_view::npos) return std::nullopt;
   ZarrArray other = array;

@@ -11,7 +11,7 @@ std::string lower(std::string_view text) {
   return out;
 }
 
-// "name:80" -> "name"; "[::1]:80" -> "[::1]". Empty where the port is not a number.
+// "name:80" -> "name"; "[::1]:80" -> "[::1]". Empty if the port is not a number.
 std::string_view name_of(std::string_view host) {
   const auto bracket = host.rfind(']');
   const auto colon = host.rfind(':');

@@ -26,7 +26,7 @@ class Access {
   /// Host is one of localhost, 127.0.0.1, [::1] at any port (a tunnel may end at another one) or on the list. Exactly one Host
   /// header.
   bool host_allowed(const HttpRequest& request) const;
-  /// Origin, where there is one, is that of Host itself, http or https, or on the list of allowed_hosts; "null" never is. A name
+  /// Origin, if there is one, is that of Host itself, http or https, or on the list of allowed_hosts; "null" never is. A name
   /// without a port stands for the port that its scheme has by default, so what else runs on this machine is another origin.
   bool origin_allowed(const HttpRequest& request) const;
 

@@ -30,7 +30,7 @@ struct HttpRequest {
   std::shared_ptr<ClientGone> gone;  // null: nobody watches
   std::string address{};  // of who asks; empty: not known
 
-  /// Empty where there is none.
+  /// Empty if there is none.
   std::string_view header(std::string_view name) const {
     for (const auto& [key, value] : headers)
       if (key == name) return value;

@@ -21,7 +21,7 @@ struct QueryParameter {
   std::string description;
   bool integer = false;                       // else text
   std::int64_t least = 0, most = UINT32_MAX;  // of integers, for the document; handlers check
-  std::string otherwise;                      // what is meant where it is absent; empty: see the description
+  std::string otherwise;                      // what is meant if it is absent; empty: see the description
   std::vector<std::string> one_of;            // texts; empty: any
   bool real = false;                          // else; a number in [least, most]
 };
@@ -33,7 +33,7 @@ struct RequestBody {
   bool required = true;
 };
 
-/// What an answer that is no problem looks like.
+/// What an answer that is not a problem looks like.
 struct Answer {
   int status = 200;
   std::string description;

@@ -12,12 +12,12 @@ namespace isostrata {
 /// Immutable once made.
 class Router {
  public:
-  /// Throws internal where two routes have the same method and path.
+  /// Throws internal if two routes have the same method and path.
   explicit Router(std::vector<Route> routes);
 
   struct Match {
     const Route* route = nullptr;             // null: no route, or another method
-    std::string allowed;                      // "GET, HEAD, OPTIONS": of the path; empty where there is no such path
+    std::string allowed;                      // "GET, HEAD, OPTIONS": of the path; empty if there is no such path
     std::map<std::string, std::string> path;  // the template's names
   };
   /// path: decoded segments below api/v1. HEAD is found as GET. A literal segment goes before a name.

@@ -42,7 +42,7 @@ const pb::DescriptorPool& pool() {
   return *kPool;
 }
 
-// The comment before it, or behind it on its line, as one paragraph. Headings of the file ("---- values ----") are no comment of
+// The comment before it, or behind it on its line, as one paragraph. Headings of the file ("---- values ----") are not a comment of
 // anything.
 template <class Descriptor>
 std::string comment_of(const Descriptor& of) {
@@ -61,7 +61,7 @@ std::string comment_of(const Descriptor& of) {
 
 json::object reference(const std::string& name) { return {{"$ref", "#/components/schemas/" + name}}; }
 
-// Doubles may be written as strings where they are not finite.
+// Doubles may be written as strings if they are not finite.
 json::object number_schema(json::object& schemas) {
   if (!schemas.contains("Number"))
     schemas["Number"] = json::object{

@@ -7,7 +7,7 @@
 namespace isostrata {
 
 /// Adds the schema of a message of package isostrata.v1 under its name, and those of all that it contains. Draft 2020-12, for
-/// OpenAPI 3.1's components. Nothing where there is no such message. Throws internal where the program's own descriptors are
+/// OpenAPI 3.1's components. Nothing if there is no such message. Throws internal if the program's own descriptors are
 /// broken.
 void add_message_schema(const std::string& message, boost::json::object& schemas);
 

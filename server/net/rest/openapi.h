@@ -9,7 +9,7 @@
 
 namespace isostrata {
 
-/// Schemas are those of Protobuf messages (message_schema.h) and of rest_schemas.json. Throws internal where a route names a
+/// Schemas are those of Protobuf messages (message_schema.h) and of rest_schemas.json. Throws internal if a route names a
 /// schema that is in neither.
 boost::json::object openapi_document(const std::vector<Route>& routes, const std::string& version);
 

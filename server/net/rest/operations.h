@@ -54,7 +54,7 @@ class Operations final : public SessionsObserver {
   /// Sets status, error and result and tells the listeners; call it once.
   void finish(OperationRecord& record, std::optional<v1::Error> error, boost::json::object result = {});
 
-  /// Null where the session has none of that id.
+  /// Null if the session has none of that id.
   OperationRecord* find(const std::string& session_id, const std::string& id);
   std::vector<const OperationRecord*> list(const std::string& session_id) const;
   std::size_t running() const;
@@ -66,7 +66,7 @@ class Operations final : public SessionsObserver {
   /// Hears "progress" with the record now and after each change, then once "done", "failed" or "cancelled", and ends.
   std::shared_ptr<EventStream> listen(OperationRecord& record);
 
-  /// A name for a new file of this server. Throws unavailable where no folder can be made. The folder is removed at the end.
+  /// A name for a new file of this server. Throws unavailable if no folder can be made. The folder is removed at the end.
   std::filesystem::path new_file(const std::string& extension);
 
   void session_ended(const Session& session) override;

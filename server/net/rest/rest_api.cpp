@@ -52,7 +52,7 @@ std::optional<HttpResponse> refuse_query(const Route& route, const RequestTarget
   return std::nullopt;
 }
 
-// If-Match: the revision that is meant, where it is the scene's; else the refusal. "*" means any.
+// If-Match: the revision that is meant, if it is the scene's; else the refusal. "*" means any.
 std::optional<HttpResponse> refuse_revision(const HttpRequest& request, std::uint64_t revision,
                                             std::optional<std::uint64_t>& expected) {
   std::string_view tags = request.header("if-match");

@@ -45,7 +45,7 @@ Session::Reply answer_state(RestContext& context, const Call& call, int status =
 /// {"id", "resumeToken", "revision", "dataset", "viewers"}
 boost::json::object session_object(const Session& session);
 
-/// Reads a whole number from the query; leaves the value where there is none.
+/// Reads a whole number from the query; leaves the value if there is none.
 std::optional<v1::Error> number_parameter(const Call& call, const char* name, std::uint32_t& value);
 /// An ETag of a revision, as it is sent.
 std::string revision_tag(std::uint64_t revision);

@@ -56,7 +56,7 @@ HttpResponse picture(const HttpRequest& request, const Bytes& png) {
   return response;
 }
 
-/// As a header can say it: what is no plain letter by its bytes, as in addresses.
+/// As a header can say it: what is not a plain letter by its bytes, as in addresses.
 std::string plain_letters(const std::string& text) {
   std::string plain;
   char code[4];
@@ -68,7 +68,7 @@ std::string plain_letters(const std::string& text) {
   return plain;
 }
 
-/// A dataset that has none is no mistake of whoever asks, and a list of files is full of them.
+/// A dataset that has none is not a mistake of whoever asks, and a list of files is full of them.
 HttpResponse no_picture(const v1::Error& why) {
   static const std::set<std::string> kOfTheFile{"bad_data", "unsupported", "too_large", "not_found"};  // not_found: a file that it lists
   if (!kOfTheFile.contains(why.code())) return problem(why);

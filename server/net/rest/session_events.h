@@ -28,7 +28,7 @@ class SessionEvents final : public SessionsObserver {
   SessionEvents& operator=(const SessionEvents&) = delete;
 
   /// Hears "state", "participants" and an "operation" for each that runs, then "change", "participants" and "operation" as they
-  /// come, and at the session's end "ended". Null where the session has all the listeners that it may.
+  /// come, and at the session's end "ended". Null if the session has all the listeners that it may.
   std::shared_ptr<EventStream> listen(const Session& session);
 
   void session_ended(const Session& session) override;
@@ -47,7 +47,7 @@ class SessionEvents final : public SessionsObserver {
     std::uint64_t revision = 0;
   };
 
-  /// Null where nobody listens (any more).
+  /// Null if nobody listens (any more).
   Audience* audience(const std::string& session);
   std::shared_ptr<const boost::json::object> state_of(Audience& audience, const Session& session);
   std::string next_state(const std::string& session, Listener& listener);

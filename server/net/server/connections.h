@@ -34,7 +34,7 @@ struct Connections {
 /// throws.
 boost::asio::awaitable<void> serve_connection(boost::asio::ip::tcp::socket socket, std::string address, Connections& connections);
 
-/// The address at a socket's other end, without the port; empty where it is gone already.
+/// The address at a socket's other end, without the port; empty if it is gone already.
 std::string address_of(const boost::asio::ip::tcp::socket& socket);
 
 }  // namespace isostrata

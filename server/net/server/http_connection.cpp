@@ -75,7 +75,7 @@ asio::awaitable<void> read_head(beast::tcp_stream& stream, beast::flat_buffer& b
   }
 }
 
-/// What is well formed and still means one thing here and another elsewhere; nothing where there is none.
+/// What is well formed and still means one thing here and another elsewhere; nothing if there is none.
 std::optional<std::string> ambiguous(const http::request<http::string_body>& request) {
   const auto lengths = request.count(http::field::content_length);
   const std::string_view length = request[http::field::content_length];

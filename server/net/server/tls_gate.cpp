@@ -22,7 +22,7 @@ using tcp = asio::ip::tcp;
 
 constexpr auto kHandshakeTimeout = std::chrono::seconds(10);
 constexpr std::size_t kPieceBytes = 64 << 10;
-constexpr int kPairBytes = 64 << 10;  // what the pair itself may hold each way: frames should wait where they can be counted
+constexpr int kPairBytes = 64 << 10;  // what the pair itself may hold each way: frames should wait if they can be counted
 
 /// Both ends of one connection; kept alive by the two pumps.
 struct Relay {

@@ -46,7 +46,7 @@ struct Waiting {
   std::shared_ptr<const Bytes> payload;
 };
 
-/// What is sent as one message: first `head`, then the payload where there is one.
+/// What is sent as one message: first `head`, then the payload if there is one.
 struct Outgoing {
   std::string head;
   std::shared_ptr<const Bytes> payload;

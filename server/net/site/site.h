@@ -50,7 +50,7 @@ class Site {
     bool wrong_token = false;    // it brings one, and no right one
   };
   Head look_at_head(const HttpRequest& head) const;
-  /// Nothing where the upgrade is welcome, else the refusal. admission: which session an invitation opens; empty for the server's
+  /// Nothing if the upgrade is welcome, else the refusal. admission: which session an invitation opens; empty for the server's
   /// own token.
   std::optional<HttpResponse> refuse_upgrade(const HttpRequest& request, Sessions::Admission& admission) const;
 
@@ -64,7 +64,7 @@ class Site {
   HttpResponse unauthorized(bool page) const;
   /// Whether the request brings the token of an invitation that is good, and for what.
   std::optional<Sessions::Admission> invited(const HttpRequest& request, const RequestTarget& target) const;
-  /// The segments below the base path; nothing where the target is not below it.
+  /// The segments below the base path; nothing if the target is not below it.
   std::optional<std::vector<std::string>> below_base(const RequestTarget& target) const;
 
   const SiteOptions options_;

@@ -78,7 +78,7 @@ void SiteLog::asked(const Session& session, const Viewer& viewer, const std::str
 void SiteLog::engine_event(const Session* session, const EngineEvent& event) {
   const auto* failed = std::get_if<RequestFailed>(&event);
   if (!failed || failed->code == ErrorCode::cancelled) return;
-  // What a person asked for and does not exist is no trouble of the server's.
+  // What a person asked for and does not exist is not a trouble of the server's.
   const bool trouble = failed->code == ErrorCode::internal || failed->code == ErrorCode::unavailable;
   LogLine line{.warning = trouble,
                .detail = !trouble,

@@ -11,7 +11,7 @@ struct AxisTicks {
   std::vector<double> values;  // multiples of step within the range, ends included
 };
 
-/// At most `most` ticks (at least 2 are tried for) over [lower, upper]. None where the range is empty or not finite.
+/// At most `most` ticks (at least 2 are tried for) over [lower, upper]. None if the range is empty or not finite.
 AxisTicks axis_ticks(double lower, double upper, int most);
 
 /// The ticks' texts, alike in their number of decimals; all or none of them with a power of ten (1.5×10⁻⁷). UTF-8.

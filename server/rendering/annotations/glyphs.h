@@ -20,7 +20,7 @@ struct GlyphMask {
 /// One thread at a time; making one takes a tenth of a millisecond.
 class Font {
  public:
-  /// Throws unavailable where FreeType refuses.
+  /// Throws unavailable if FreeType refuses.
   Font();
   ~Font();
 

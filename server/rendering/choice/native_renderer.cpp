@@ -77,7 +77,7 @@ class NativeRenderer final : public Renderer {
   std::weak_ptr<const BaseTetrahedra> surfaces_of_;
   std::vector<Interval> surfaces_between_;
   std::shared_ptr<const IntervalMesh> surfaces_;       // of those
-  std::shared_ptr<const std::vector<Vec3f>> normals_;  // at their points, where they were wanted
+  std::shared_ptr<const std::vector<Vec3f>> normals_;  // at their points, if they were wanted
   std::vector<Vec3f> directions_;                      // at the base mesh's points, once surfaces were lit
   const std::string device_ =
       "CPU (" + simd_level() + ", " + std::to_string(thread_count()) + (thread_count() == 1 ? " thread)" : " threads)");

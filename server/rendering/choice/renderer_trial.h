@@ -13,7 +13,7 @@ namespace isostrata {
 /// Frames of a built-in mesh, from several sides, by one renderer after the other.
 struct RendererTrial {
   std::string device;
-  double raster_ms = 0, compute_ms = 0;  // the fastest frame's; 0 where it does not work
+  double raster_ms = 0, compute_ms = 0;  // the fastest frame's; 0 if it does not work
   std::string raster_error, compute_error;
 
   bool compute_is_faster() const { return compute_ms > 0 && !(raster_ms > 0 && raster_ms <= compute_ms); }
@@ -22,7 +22,7 @@ struct RendererTrial {
 };
 
 /// The faster of both on the device, as open_context takes it; the trial is made once in a process and device and its outcome
-/// kept; on a software device the mesh is smaller. Throws unavailable where neither works. Any thread.
+/// kept; on a software device the mesh is smaller. Throws unavailable if neither works. Any thread.
 std::unique_ptr<Renderer> make_faster_renderer(const std::string& device);
 
 }  // namespace isostrata

@@ -9,7 +9,7 @@
 
 namespace isostrata {
 
-/// Takes a context that is current; opens `device` anew where it was lost. Throws unavailable where the device has too few
+/// Takes a context that is current; opens `device` anew if it was lost. Throws unavailable if the device has too few
 /// storage buffers or too little shared memory.
 std::unique_ptr<Renderer> make_compute_renderer(std::unique_ptr<GlContext> context, std::string device);
 

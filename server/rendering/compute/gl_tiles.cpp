@@ -15,7 +15,7 @@
 namespace isostrata {
 namespace {
 
-constexpr std::uint32_t kBatch = 1024;  // pairs of a batch, where there is room for that many batches
+constexpr std::uint32_t kBatch = 1024;  // pairs of a batch, if there is room for that many batches
 constexpr std::uint32_t kLargestBatch = 1 << 16;
 constexpr double kNearest = 1e-6;  // depth, in units of the bounds' diagonal
 constexpr double kSliceMs = 25;
@@ -198,7 +198,7 @@ void TilePipeline::begin(const TilePicture& picture) {
   }
   device_.reserve(clip_planes_, planes.size() * 16, "the clip planes");
   device_.upload(clip_planes_, 0, bytes_of(planes), task);
-  device_.reserve(order_, 16, "the order");  // something is bound where there is none
+  device_.reserve(order_, 16, "the order");  // something is bound if there is none
   if (picture.order->kind == TILE_ORDER_LIST) {
     device_.reserve(order_, picture.order->list.size() * 4, "the order");
     device_.upload(order_, 0, bytes_of(picture.order->list), task);

@@ -100,7 +100,7 @@ vec4 back_planes(uint j, vec4 u) {
 float least_of(vec4 v) { return min(min(v.x, v.y), min(v.z, v.w)); }
 float greatest_of(vec4 v) { return max(max(v.x, v.y), max(v.z, v.w)); }
 
-// From which u to which the ray is inside, less the reference's; whatever cuts the ray. False where it misses.
+// From which u to which the ray is inside, less the reference's; whatever cuts the ray. False if it misses.
 bool meets(uint j, vec2 at, vec2 range, out vec4 u, out float enter, out float leave) {
   u = planes_at(j, at);
   float from = reference[j].z;

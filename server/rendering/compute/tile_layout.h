@@ -31,14 +31,14 @@
 // Of blending, in place of the above.
 #define TILE_BATCHES 8          // uint per tile, and one more: batches of all tiles before
 #define TILE_LIGHT 9            // vec4 per pixel of a batch: premultiplied colour, what is let through
-#define TILE_NEAREST 11         // float per pixel of a batch: the nearest u, only where depth is wanted; vec2, with mean depth, where that is
+#define TILE_NEAREST 11         // float per pixel of a batch: the nearest u, only if depth is wanted; vec2, with mean depth, if that is
 #define TILE_VALUES 7           // float per point: the color-by array
 #define TILE_NORMALS 12         // float: x, y, z per point
 #define TILE_TEXTURE 14         // float per point
 #define TILE_SHADES 15          // float per point: of the light inside that is left (picture/body_shading.h)
 // Of merging.
 #define TILE_PICTURE 7          // uint or vec4 per pixel, row 0 the top row
-#define TILE_DEPTH 10           // float per pixel; then the mean depths, where they are wanted
+#define TILE_DEPTH 10           // float per pixel; then the mean depths, if they are wanted
 
 #define TILE_BUFFERS 15         // without TILE_SHADES, which is bound only where bodies are shaded
 

@@ -7,7 +7,7 @@ uint saturated_add(uint a, uint b) {
   uint sum = a + b;
   return sum < a ? 0xffffffffu : sum;
 }
-// 0 where there is no room for them: the frame is then drawn again.
+// 0 if there is no room for them: the frame is then drawn again.
 uint pairs_at_hand() { return counters[TILE_COUNT_PAIRS] <= frame.room.y ? counters[TILE_COUNT_PAIRS] : 0u; }
 
 #ifdef USES_MESH
@@ -40,7 +40,7 @@ vec2 on_screen(vec3 p) {
   return at;
 }
 
-// The part's pixels that the tetrahedron may cover, first and last; false where there are none.
+// The part's pixels that the tetrahedron may cover, first and last; false if there are none.
 bool covered_box(vec3 p[4], out ivec4 box) {
   vec2 low = vec2(1e30), high = vec2(-1e30);
   float least = perspective() ? frame.limits.x : -1e30;

@@ -55,8 +55,8 @@ struct CrossingFrame {
 /// A tile's pixels, in rows of kTileWidth: premultiplied colour and alpha, and depths in world units.
 struct TilePixels {
   PixelRect rect;
-  std::vector<float> planes[4], depth, mean_depth;  // mean_depth as FloatImage has it; empty where it is not wanted
-  // What the near depth and the clip planes leave of each ray, in depths relative to the reference; empty where nothing is cut.
+  std::vector<float> planes[4], depth, mean_depth;  // mean_depth as FloatImage has it; empty if it is not wanted
+  // What the near depth and the clip planes leave of each ray, in depths relative to the reference; empty if nothing is cut.
   std::vector<float> nearest, farthest;
 };
 

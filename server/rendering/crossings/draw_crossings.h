@@ -10,7 +10,7 @@ class CrossingsRenderer {
  public:
   CrossingsRenderer();
   ~CrossingsRenderer();
-  /// Draws input to the sink and fills facts, except fragments where it has bricks in place of a mesh. Every drawn style is constant(). Parallel;
+  /// Draws input to the sink and fills facts, except fragments if it has bricks in place of a mesh. Every drawn style is constant(). Parallel;
   /// one caller at a time.
   void draw(const DrawInput& input, TileSink& sink, DrawFacts& facts);
 

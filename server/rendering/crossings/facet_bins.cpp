@@ -50,7 +50,7 @@ class Binner {
     return {x0 / kTileWidth, y0 / kTileHeight, (x1 - 1) / kTileWidth + 1, (y1 - 1) / kTileHeight + 1};
   }
 
-  /// outside: kCulled where nothing of the box is on the picture, 1 where a part of it cannot be projected.
+  /// outside: kCulled where nothing of the box is on the picture, 1 if a part of it cannot be projected.
   TileRange bounds_on_screen(const Box3d& box, int& outside, Block& block) const {
     std::int32_t x_low = 0, x_high = 0, y_low = 0, y_high = 0;
     int common = ~0, odd = 0;

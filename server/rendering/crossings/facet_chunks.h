@@ -36,12 +36,12 @@ struct FacetSet {
   Box3d bounds;                            // of all facets
 };
 
-/// From mesh.facets, or, where it has none, from the tetrahedra. An interval whose facets enclose a negative volume (a mesh of
+/// From mesh.facets, or, if it has none, from the tetrahedra. An interval whose facets enclose a negative volume (a mesh of
 /// mirrored cells) is turned inside out, unless they are a part of its facets only, which are right as they are. Parallel.
 enum class FacetsAre { whole, part };
 FacetSet make_facet_set(const IntervalMesh& mesh, FacetsAre are = FacetsAre::whole);
 
-/// Of unit length, or nothing where the facet has no area.
+/// Of unit length, or nothing if the facet has no area.
 inline Vec3f facet_normal(const std::array<std::uint32_t, 3>& points, const IntervalMesh& mesh) {
   const Vec3d a = mesh.positions[points[0]], b = mesh.positions[points[1]], c = mesh.positions[points[2]];
   const Vec3d across = cross(b - a, c - a);

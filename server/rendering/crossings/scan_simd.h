@@ -17,9 +17,9 @@ struct DepthSums {
   PixelRect rect;
   float steps = 1;                  // whole numbers for each unit of depth
   std::int32_t* sum = nullptr;      // depth, leaving less entering
-  std::int32_t* balance = nullptr;  // crossings, leaving less entering; null where all rays begin outside; then all below, too
+  std::int32_t* balance = nullptr;  // crossings, leaving less entering; null if all rays begin outside; then all below, too
   float* first = nullptr;           // the nearest crossing
-  const float* nearest = nullptr;   // what crossings are held between; null where nothing cuts
+  const float* nearest = nullptr;   // what crossings are held between; null if nothing cuts
   const float* farthest = nullptr;
 };
 /// Adds the crossings of these facets and returns how many.
@@ -35,7 +35,7 @@ struct CrossingRecords {
 inline std::uint64_t crossing_key(std::uint32_t ordered_depth, std::uint32_t facet, bool enters) {
   return std::uint64_t{ordered_depth} << 32 | (enters ? 0x80000000u : 0u) | facet;
 }
-/// Fills `to` with the crossings of these facets in `part`. False, with some left out, where there are more than `most`.
+/// Fills `to` with the crossings of these facets in `part`. False, with some left out, if there are more than `most`.
 bool gather_crossings(const CrossingFrame& frame, std::span<const TileEntry> entries, const PixelRect& part, std::size_t most,
                       CrossingRecords& to);
 

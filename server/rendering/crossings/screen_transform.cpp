@@ -8,7 +8,7 @@
 
 namespace isostrata {
 
-// Of the scale, or of the distance to what is looked at, where that is less.
+// Of the scale, or of the distance to what is looked at, if that is less.
 constexpr double kNearShare = 1e-6;
 
 ViewPoint ScreenTransform::view(Vec3d world) const {

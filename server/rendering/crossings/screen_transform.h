@@ -40,7 +40,7 @@ struct ScreenTransform {
   int width = 1, height = 1;
 
   ViewPoint view(Vec3d world) const;
-  /// q = 0 where the point is too near or beyond the guard.
+  /// q = 0 if the point is too near or beyond the guard.
   ScreenVertex project(ViewPoint view) const;
   /// Lengths along the ray of the pixel at (x, y) pixels are this much longer than along the direction of view.
   double stretch(double x, double y) const;

@@ -20,7 +20,7 @@ struct Kept {
   std::vector<BoundaryFacet> facets;
 };
 
-/// Whether a part of the box may be on the picture; true where that is not easily told.
+/// Whether a part of the box may be on the picture; true if that is not easily told.
 bool may_be_seen(const Box3d& box, const ScreenTransform& transform) {
   std::int32_t x_low = 0, x_high = 0, y_low = 0, y_high = 0;
   for (int corner = 0; corner < 8; ++corner) {

@@ -326,7 +326,7 @@ class Walk {
     return alpha;
   }
 
-  /// The corners' normals, mixed; false where they cancel, so that the facet's own takes over, or where the facet reaches out of the screen: it is cut,
+  /// The corners' normals, mixed; false if they cancel, so that the facet's own takes over, or where the facet reaches out of the screen: it is cut,
   /// and its corners are elsewhere.
   HWY_INLINE MF blend_normals(VF (&normal)[3], VF& size2) {
     const DF d;

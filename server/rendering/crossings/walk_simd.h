@@ -21,7 +21,7 @@ struct WalkRow {
   int count = 0;                             // of pixels
   const std::uint64_t* crossings = nullptr;  // crossing_key; each pixel's by depth
   const std::uint32_t* first = nullptr;      // [count + 1] into crossings
-  const float* nearest = nullptr;            // [count] what crossings are held between; null where nothing cuts
+  const float* nearest = nullptr;            // [count] what crossings are held between; null if nothing cuts
   const float* farthest = nullptr;
   float* rgba[4] = {};     // [count] premultiplied: what is there is seen behind the rays
   float* depth = nullptr;  // [count] becomes the least of itself and the first that is seen, in world units; may be null

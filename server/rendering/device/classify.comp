@@ -33,7 +33,7 @@ uint row_of_cells(uint n, uvec3 brick, uint r) {
 #if defined(WRITE) && defined(LOAD_POINTS)
 double orient(dvec3 a, dvec3 b, dvec3 c, dvec3 d) { return dot(cross(b - a, c - a), d - a); }
 
-// As cell_geometry.h: the sign of the volume inside the cell's faces, or 0 where rounding decides it. 1 right-handed, 2 left-handed.
+// As cell_geometry.h: the sign of the volume inside the cell's faces, or 0 if rounding decides it. 1 right-handed, 2 left-handed.
 uint handedness(uvec3 cell) {
   dvec3 p[8];
   dvec3 lower, upper;

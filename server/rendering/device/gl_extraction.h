@@ -60,7 +60,7 @@ class GlExtraction {
   /// message that the CPU would not give says to extract there.
   GlCounts extract(std::span<const Interval> intervals, GlExtent extent, const Task& task);
 
-  /// Copies what the last extract() left. Each throws invalid_argument where it left no such thing.
+  /// Copies what the last extract() left. Each throws invalid_argument if it left no such thing.
   std::vector<CellCase> read_records(const Task& task);
   std::vector<std::array<float, 4>> read_positions(const Task& task);  // less anchor; the fourth is the array's value
   GlMeshParts read_mesh(const Task& task);

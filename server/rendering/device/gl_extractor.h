@@ -1,5 +1,5 @@
 // Extraction of interval volumes on a device, in OpenGL 4.5 compute, for uniform, rectilinear and curvilinear grids: compact cell
-// records for a renderer and, where asked for, indexed tetrahedra. The same tables, the same rule of equality and the same counts
+// records for a renderer and, if asked for, indexed tetrahedra. The same tables, the same rule of equality and the same counts
 // as extract_intervals; records in the order of find_active_cells.
 //
 // Method: min/max bricks of 8^3 cells; brick culling and compaction; base-3 case indices; count, prefix sums, write (G. E.
@@ -58,7 +58,7 @@ struct GlCounts {
   std::int64_t active_cells = 0;  // active in at least one interval
   std::int64_t records = 0;
   std::int64_t tetrahedra = 0;  // also where only records are asked for
-  std::int64_t points = 0;      // 0 where only records are asked for
+  std::int64_t points = 0;      // 0 if only records are asked for
   std::int64_t bricks = 0, active_bricks = 0;
   std::vector<GlIntervalCount> intervals;  // in the order of the request
   double extract_ms = 0;                   // of the attempt that succeeded: the device's clock; software: wall clock

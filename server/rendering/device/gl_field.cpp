@@ -34,7 +34,7 @@ void upload_values(ComputeDevice& device, const ComputeBuffer& buffer, const Poi
       array.values);
 }
 
-/// A bit for each cell of each brick, i + 8 (j + 8 k) within it; 1 where the cell is hidden.
+/// A bit for each cell of each brick, i + 8 (j + 8 k) within it; 1 if the cell is hidden.
 std::vector<std::uint32_t> hidden_bits(const Grid& grid, const GlField& field, const Task& task) {
   std::vector<std::uint32_t> bits(16 * static_cast<std::size_t>(field.bricks()));
   const std::int64_t cx = field.grid.points_x - 1, cy = field.grid.points_y - 1, cz = field.grid.points_z - 1;
@@ -127,7 +127,7 @@ void load_parts(ComputeDevice& device, const Grid& grid, const PointArray& array
   }
 }
 
-/// Fills the ranges, and `absent` where there is any such cell.
+/// Fills the ranges, and `absent` if there is any such cell.
 void index_bricks(ComputeDevice& device, const Grid& grid, GlField& field, GLuint grid_block, const ComputeBuffer& counters,
                   const Task& task) {
   run_ranges(device, field, grid_block, counters, false, task);

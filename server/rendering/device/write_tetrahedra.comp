@@ -11,7 +11,7 @@ layout(std430, binding = BUFFER_TABLES) readonly restrict buffer TableBuffer { u
 layout(std430, binding = BUFFER_RECORDS) readonly restrict buffer RecordBuffer { CellRecord records[]; };
 layout(std430, binding = BUFFER_FIRST) readonly restrict buffer FirstBuffer { uint first_tetrahedron[]; };
 layout(std430, binding = BUFFER_TETRAHEDRA) writeonly restrict buffer TetrahedronBuffer { uvec4 tetrahedra[]; };
-layout(location = UNIFORM_FIRST) uniform uint mirrored;  // the axes' own handedness: 1 where cells of unknown handedness are left-handed
+layout(location = UNIFORM_FIRST) uniform uint mirrored;  // the axes' own handedness: 1 if cells of unknown handedness are left-handed
 shared uint first[RECORD_GROUP + 1];
 shared uint words[RECORD_GROUP];
 shared uvec3 cells[RECORD_GROUP];
@@ -62,7 +62,7 @@ void main() {
     uint code = tables[ISO_VERTICES + HEXAHEDRON_CASES + entry + (to - first[low])];
     uvec4 v = uvec4(code & 0xffu, (code >> 8) & 0xffu, (code >> 16) & 0xffu, code >> 24);
     bool left = hand == 0u ? (mirrored != 0u || counters.balance < 0) : hand == 2u;
-    if (left) v.xy = v.yx;  // positive where the cell's own orientation is
+    if (left) v.xy = v.yx;  // positive if the cell's own orientation is
     tetrahedra[to] = uvec4(number_of(cells[low], v.x, pair), number_of(cells[low], v.y, pair), number_of(cells[low], v.z, pair),
                            number_of(cells[low], v.w, pair));
   }

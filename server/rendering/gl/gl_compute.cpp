@@ -26,7 +26,7 @@ bool has_extension(const GlFunctions& gl, std::string_view name) {
   return false;
 }
 
-/// 0 where the driver does not say.
+/// 0 if the driver does not say.
 std::uint64_t free_bytes(const GlFunctions& gl) {
   GLint kib[4] = {0, 0, 0, 0};
   if (has_extension(gl, "GL_NVX_gpu_memory_info"))

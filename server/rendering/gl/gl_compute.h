@@ -26,7 +26,7 @@ struct ComputeBuffer {
 
 class ComputeDevice {
  public:
-  /// Takes a context. otherwise: what messages tell people to do without the device. Throws unavailable where the device has fewer storage buffers
+  /// Takes a context. otherwise: what messages tell people to do without the device. Throws unavailable if the device has fewer storage buffers
   /// than the programs bind, or no compute at all.
   explicit ComputeDevice(std::unique_ptr<GlContext> context, std::string otherwise = "extract on the CPU");
 
@@ -64,7 +64,7 @@ class ComputeDevice {
   void dispatch_indirect(GLuint program, const ComputeBuffer& groups, std::uint32_t slice, const Task& task);
   void barrier();
 
-  /// Waits until the device is done. Throws cancelled (the device is then still at work), unavailable where the context was lost.
+  /// Waits until the device is done. Throws cancelled (the device is then still at work), unavailable if the context was lost.
   void finish(const Task& task);
   /// Throws too_large for GL_OUT_OF_MEMORY, unavailable for a lost context and anything else.
   void check();

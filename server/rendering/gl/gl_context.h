@@ -29,7 +29,7 @@ class GlContext {
   GlFunctions& gl_to_break() { return gl_; }
   const std::string& device() const { return device_; }  // "llvmpipe (LLVM 15.0.6, 256 bits), EGL surfaceless"
   bool software() const { return software_; }
-  const std::string& uuid() const { return uuid_; }  // of the device, lower-case hexadecimal digits; empty where it has none
+  const std::string& uuid() const { return uuid_; }  // of the device, lower-case hexadecimal digits; empty if it has none
 
  protected:
   GlContext() = default;

@@ -37,7 +37,7 @@ struct Egl {
   PFNEGLQUERYDEVICESEXTPROC QueryDevicesEXT = nullptr;            // may be null
   PFNEGLQUERYDEVICESTRINGEXTPROC QueryDeviceStringEXT = nullptr;  // may be null
   QueryDeviceBinary QueryDeviceBinaryEXT = nullptr;               // may be null
-  std::string failure;                                            // why it cannot be used; empty where it can
+  std::string failure;                                            // why it cannot be used; empty if it can
 };
 
 bool has_word(const char* list, std::string_view word) {

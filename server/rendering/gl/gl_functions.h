@@ -96,7 +96,7 @@ struct GlFunctions {
 #define ISOSTRATA_GL_MEMBER(type, name) type name = nullptr;
   ISOSTRATA_GL_FUNCTIONS(ISOSTRATA_GL_MEMBER)
 #undef ISOSTRATA_GL_MEMBER
-  // Optional: null where the driver has none.
+  // Optional: null if the driver has none.
   PFNGLGETGRAPHICSRESETSTATUSPROC GetGraphicsResetStatus = nullptr;
   void(APIENTRYP GetUnsignedBytei_vEXT)(GLenum target, GLuint index, GLubyte* data) = nullptr;
 };

@@ -1,4 +1,4 @@
-// OpenGL objects that delete themselves. They may only live while their context does, and be destroyed where it is current.
+// OpenGL objects that delete themselves. They may only live while their context does, and be destroyed if it is current.
 #pragma once
 
 #include <string>
@@ -49,7 +49,7 @@ GlObject make_program(const GlFunctions& gl, const char* vertex_source, const ch
 /// log.
 GlObject make_compute_program(const GlFunctions& gl, const char* shared_source, const char* source, const std::string& defines);
 
-/// A texture of one level. Throws too_large where the driver has no memory for it.
+/// A texture of one level. Throws too_large if the driver has no memory for it.
 GlObject make_texture_2d(const GlFunctions& gl, GLenum format, int width, int height);
 
 }  // namespace isostrata

@@ -28,7 +28,7 @@ std::unique_ptr<GlContext> open_egl(const EglDevice& device);
 std::unique_ptr<GlContext> open_surfaceless();
 std::unique_ptr<GlContext> open_osmesa();
 
-/// 16 bytes as 8-4-4-4-12 hexadecimal digits; empty where all are zero.
+/// 16 bytes as 8-4-4-4-12 hexadecimal digits; empty if all are zero.
 std::string format_uuid(const unsigned char* bytes);
 
 }  // namespace isostrata

@@ -93,7 +93,7 @@ bool is_divided(const fs::path& root, const std::string& minor) {
 }  // namespace
 
 std::vector<GraphicsCard> graphics_cards(const fs::path& root) {
-  std::map<std::string, GraphicsCard> cards;  // by address, or by device file where that is not known
+  std::map<std::string, GraphicsCard> cards;  // by address, or by device file if that is not known
   const auto card_at = [&](const std::string& address, const std::string& otherwise) -> GraphicsCard& {
     GraphicsCard& card = cards[is_address(address) ? address : otherwise];
     if (is_address(address)) card.address = address;

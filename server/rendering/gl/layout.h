@@ -181,7 +181,7 @@ struct ExtractionCounters {
   uint tiles;                   // of bricks
 };
 
-struct IsoRange {               // of the finite values around a brick, as keys (field_keys.h); lower > upper where there is none
+struct IsoRange {               // of the finite values around a brick, as keys (field_keys.h); lower > upper if there is none
   uint lower_high, lower_low, upper_high, upper_low;
 };
 

@@ -17,7 +17,7 @@ struct ScreenCorner {
 };
 
 struct Crossing {
-  std::uint32_t face;  // 2 * exterior face + (1 where the ray enters the mesh)
+  std::uint32_t face;  // 2 * exterior face + (1 if the ray enters the mesh)
   float q;
 };
 

@@ -21,7 +21,7 @@ struct CellGap {
   auto operator<=>(const CellGap&) const = default;
 };
 
-/// Right for every ray that is tried: the rays of the picture's pixels where it has up to most_rays, else of every n-th pixel
+/// Right for every ray that is tried: the rays of the picture's pixels if it has up to most_rays, else of every n-th pixel
 /// both ways. Sorted, each pair once; pairs in which a cell hides itself are left out. Parallel. O(exterior faces + crossings).
 std::vector<CellGap> boundary_gaps(const Grid& grid, const FaceGraph& graph, const Camera& camera, int width, int height,
                                    std::int64_t most_rays = 1 << 16);

@@ -140,7 +140,7 @@ CellOrder::Relation CellOrder::relate(const Item& a, const Item& b) const {
   return relation;
 }
 
-/// Of two with a common face; unknown where they have none, or lie on the same side of it.
+/// Of two with a common face; unknown if they have none, or lie on the same side of it.
 CellOrder::Relation CellOrder::relate_neighbors(const Item& a, const Item& b) const {
   int own_a = 6, own_b = 6;  // what is left of the sums of indices is the vertex that is not common
   int common = 0;

@@ -10,7 +10,7 @@
 
 namespace isostrata {
 
-/// The camera as a point at a finite or infinite distance: dot(normal, x) - weight * offset is above 0 where it is in front of a
+/// The camera as a point at a finite or infinite distance: dot(normal, x) - weight * offset is above 0 if it is in front of a
 /// plane.
 struct OrderView {
   Vec3d x;  // the eye; for parallel rays where they come from

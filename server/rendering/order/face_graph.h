@@ -16,7 +16,7 @@
 
 namespace isostrata {
 
-/// dot(normal, x - FaceGraph::center) = offset; the normal points out of the cell and has length 1, or 0 where the face has no
+/// dot(normal, x - FaceGraph::center) = offset; the normal points out of the cell and has length 1, or 0 if the face has no
 /// area and so orders nothing.
 struct FacePlane {
   float normal[3];
@@ -44,7 +44,7 @@ struct FaceGraph {
 
   // Unstructured grids. Slot s of cell c is the s-th face of its type.
   int slots = 0;                   // per cell: 4 where all cells are tetrahedra, else 6; 0: curvilinear
-  Buffer<std::uint32_t> neighbor;  // [cells * slots] kNoCell where there is none or it is hidden
+  Buffer<std::uint32_t> neighbor;  // [cells * slots] kNoCell if there is none or it is hidden
   Buffer<FacePlane> planes;        // [cells * slots]
 
   // Curvilinear grids. The planes are made of the points as they are needed, which takes no longer than reading them would. Bit

@@ -19,7 +19,7 @@ class Places {
     std::sort(ids_.begin(), ids_.end());
     ids_.erase(std::unique(ids_.begin(), ids_.end()), ids_.end());
     const double tolerance = 2e-7 * std::max(graph.diagonal, length(graph.center));
-    // Sorted along a direction that is no axis, so that few points lie within the tolerance of each other.
+    // Sorted along a direction that is not an axis, so that few points lie within the tolerance of each other.
     const Vec3d direction = normalized(Vec3d{0.5716, 0.6873, 0.4483});
     std::vector<Vec3d> position(ids_.size());
     std::vector<double> along(ids_.size());

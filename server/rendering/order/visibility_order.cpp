@@ -184,7 +184,7 @@ std::vector<std::uint32_t> runs_in_sequence(const IntervalMesh& mesh, const Cell
   const std::size_t cells = sequence.cells.size();
   std::vector<std::uint64_t> active((cells + 63) / 64, 0);
   Buffer<std::uint32_t> run_of_cell(cells);  // written where active
-  std::vector<std::uint32_t> next;           // [runs] another run of the same cell; empty where there is none
+  std::vector<std::uint32_t> next;           // [runs] another run of the same cell; empty if there is none
   for (std::uint32_t r = 0; r < mesh.cell_runs.size(); ++r) {
     const auto cell = static_cast<std::size_t>(mesh.cell_runs[r].cell);
     std::uint64_t& word = active[cell / 64];

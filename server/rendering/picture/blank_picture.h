@@ -11,7 +11,7 @@
 
 namespace isostrata {
 
-/// Of the input's size and kind: transparent, and infinitely far away where it has depths.
+/// Of the input's size and kind: transparent, and infinitely far away if it has depths.
 inline std::variant<Image, FloatImage> blank_picture(const DrawInput& input) {
   const std::size_t pixels = static_cast<std::size_t>(input.width) * static_cast<std::size_t>(input.height);
   if (input.float_image)

@@ -8,7 +8,7 @@
 namespace isostrata {
 namespace {
 
-/// f of the header. towards_eye: of any length. 1 where the normal is zero.
+/// f of the header. towards_eye: of any length. 1 if the normal is zero.
 double body_shade(Vec3f normal, Vec3d towards_eye, double strength) {
   const Vec3d n{double{normal.x}, double{normal.y}, double{normal.z}};
   const double size = std::sqrt(dot(n, n) * dot(towards_eye, towards_eye));

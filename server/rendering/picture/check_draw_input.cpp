@@ -29,7 +29,7 @@ void check_surface(const DrawInput& input, const SurfaceStyle& surface, const st
   if (input.normals && input.normals->size() != points)
     refuse(std::to_string(input.normals->size()) + " normals for " + std::to_string(points) + " points");
   if (surface.texture.empty()) return;
-  surface_material(surface);  // throws where there is no such texture
+  surface_material(surface);  // throws if there is no such texture
   if (!std::isfinite(surface.texture_lower) || !std::isfinite(surface.texture_upper) || !std::isfinite(surface.texture_repeat))
     refuse(which + "the range of its surface's texture is not finite");
   if (!input.texture_values || input.texture_values->size() != points)
@@ -90,7 +90,7 @@ void check(const DrawInput& input) {
       fail(which + "if the renderer cuts intervals, surfaces are drawn without textures and among constant colours only");
     if (style.surface.drawn()) check_surface(input, style.surface, which);
     if (style.constant()) continue;
-    if (!style.color_map.empty()) color_map(style.color_map);  // throws where there is no such map
+    if (!style.color_map.empty()) color_map(style.color_map);  // throws if there is no such map
     if (!std::isfinite(style.color_lower) || !std::isfinite(style.color_upper))
       fail(which + "the range of colour and opacity is not finite");
     if (input.bricks) continue;  // its own values

@@ -16,7 +16,7 @@ struct PixelGrid {
 
 PixelGrid pixel_grid(const DrawInput& input);
 
-/// The same for a picture that is no part of another.
+/// The same for a picture that is not part of another.
 PixelGrid pixel_grid(const Camera& camera, int width, int height);
 
 }  // namespace isostrata

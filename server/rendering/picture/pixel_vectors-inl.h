@@ -25,7 +25,7 @@ HWY_INLINE void for_vectors(std::size_t count, const Visit& visit) {
 }
 
 /// Where in a segment of this optical depth, and opacity (through is the rest), the light that leaves it comes from on average, as a share of its length:
-/// 1 / depth - through / opacity, which is a half where it is thin.
+/// 1 / depth - through / opacity, which is a half if it is thin.
 template <class D, class V = hn::Vec<D>>
 HWY_INLINE V middle_of_light(D d, V depth, V through, V opacity) {
   const V thin = hn::NegMulAdd(depth, hn::Set(d, 1.0f / 12), hn::Set(d, 0.5f));

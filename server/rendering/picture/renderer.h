@@ -37,7 +37,7 @@ struct DrawInput {
   const Grid* grid = nullptr;                              // the mesh's base grid, for the visibility order
   Box3d bounds;                                            // of the grid
   std::shared_ptr<const IntervalMesh> mesh;                // the renderer may keep device copies by this pointer's identity
-  std::shared_ptr<const std::vector<float>> color_values;  // [np] or null where all styles are constant()
+  std::shared_ptr<const std::vector<float>> color_values;  // [np] or null if all styles are constant()
   std::vector<IntervalStyle> styles;                       // one per interval of the mesh
   // Not empty: what is drawn of interval i, with style i, is where base's field lies in it; mesh and color_values are base's.
   // Then other ends need no other mesh. Surfaces among constant colours, without textures; only renderers that cuts_intervals().
@@ -52,11 +52,11 @@ struct DrawInput {
   // Where a style draws a surface: the mesh then has facets. Unit vectors along the gradient of the extracted array; of either
   // sign (surfaces are shaded from both sides). Null: the facets' own normals.
   std::shared_ptr<const std::vector<Vec3f>> normals;         // [np] or null
-  std::shared_ptr<const std::vector<float>> texture_values;  // [np] or null where no surface has a texture
-  // How far interiors are shaded along these, in [0, 1] (rendering/picture/body_shading.h): unit vectors, zero where there is no gradient. Only of meshes,
+  std::shared_ptr<const std::vector<float>> texture_values;  // [np] or null if no surface has a texture
+  // How far interiors are shaded along these, in [0, 1] (rendering/picture/body_shading.h): unit vectors, zero if there is no gradient. Only of meshes,
   // without cut_intervals and bricks.
   double body_shading = 0;
-  std::shared_ptr<const std::vector<Vec3f>> body_normals;  // [np] or null where nothing is shaded
+  std::shared_ptr<const std::vector<Vec3f>> body_normals;  // [np] or null if nothing is shaded
   Camera camera;
   int width = 800, height = 600;  // 1..16384
   PictureWindow window;           // where it lies in a larger picture; the camera is the larger one's (rendering/picture/pixel_grid.h)
@@ -82,7 +82,7 @@ struct DrawFacts {
   std::string order;     // "index distance (exact)", "centroid (approximate)", "none needed"
   bool order_exact = false;
   std::int64_t tetrahedra = 0;  // drawn
-  std::int64_t fragments = 0;   // pixels of tetrahedra that were blended, each tetrahedron for itself; 0 where not asked for
+  std::int64_t fragments = 0;   // pixels of tetrahedra that were blended, each tetrahedron for itself; 0 if not asked for
   double order_ms = 0, draw_ms = 0, readback_ms = 0;
   std::vector<StageTime> stages;  // of those, as far as the renderer tells; on a GPU by its own clock
 };
@@ -130,7 +130,7 @@ struct RendererChoice {
 std::unique_ptr<Renderer> make_renderer(const RendererChoice& choice);
 /// All devices, tried in a process of its own, which a driver may end: those of EGL, EGL surfaceless, and OSMesa if EGL gave nothing.
 std::vector<DeviceAttempt> probe_devices();
-/// How the last trial of this process went, for the log; empty where there was none. Any thread.
+/// How the last trial of this process went, for the log; empty if there was none. Any thread.
 std::string renderer_trial_report();
 
 }  // namespace isostrata

@@ -29,7 +29,7 @@ struct SurfaceMaterial {
   std::optional<ColorMap> map;                  // of Texture::map
 };
 
-/// Throws not_found where the texture is neither "stripes" nor a colour map.
+/// Throws not_found if the texture is neither "stripes" nor a colour map.
 inline SurfaceMaterial surface_material(const SurfaceStyle& style) {
   SurfaceMaterial m;
   m.own_color = style.own_color;
@@ -104,7 +104,7 @@ inline SurfaceColor shade_surface(const SurfaceMaterial& m, const Rgb& base, Vec
   const float glint = m.specular > 0 ? m.specular * std::pow(c, m.shininess) : 0.0f;
 
   const float e = (1.0f - c) * (1.0f - c);
-  const float edge = m.silhouette * e * e;                    // 1 where seen edge-on
+  const float edge = m.silhouette * e * e;                    // 1 if seen edge-on
   const float alpha = m.opacity + (1.0f - m.opacity) * edge;  // towards opaque
   const float keep = alpha * (1.0f - edge);                   // and towards black
   SurfaceColor out;

@@ -37,12 +37,12 @@ class DeviceMesh {
   /// The context is current in every call.
   explicit DeviceMesh(const GlFunctions& gl);
 
-  /// Puts the points, tetrahedra and intervals there, or keeps them. False where the device has no room: then nothing is there,
+  /// Puts the points, tetrahedra and intervals there, or keeps them. False if the device has no room: then nothing is there,
   /// and the same mesh is not tried again.
   bool set_mesh(const DrawInput& input, double scale);
   /// Puts the facets there, or keeps them. Throws too_large.
   void set_facets(const DrawInput& input, double scale);
-  /// One for each point of that mesh, of this frame. False where the device has no room.
+  /// One for each point of that mesh, of this frame. False if the device has no room.
   bool set_shades(std::span<const float> shades);
   /// As if nothing had been set.
   void give_back();
@@ -54,7 +54,7 @@ class DeviceMesh {
   std::uint64_t largest_buffer() const { return largest_buffer_; }
 
  private:
-  /// Makes an immutable buffer. False where the device has no room.
+  /// Makes an immutable buffer. False if the device has no room.
   bool put(GlObject& buffer, std::uint64_t bytes, const void* data);
 
   const GlFunctions& gl_;

@@ -11,12 +11,12 @@ namespace isostrata {
 
 /// Where tetrahedra are projected and classified.
 enum class ProjectOn {
-  automatic,  // the device where it is a GPU and has room for the mesh, else the CPU
+  automatic,  // the device if it is a GPU and has room for the mesh, else the CPU
   cpu,        // all cores; vertices are streamed to the device
-  device      // compute programs, where there is room for the mesh, else the CPU
+  device      // compute programs, if there is room for the mesh, else the CPU
 };
 
-/// Takes a context that is current; opens `device` anew where it was lost.
+/// Takes a context that is current; opens `device` anew if it was lost.
 std::unique_ptr<Renderer> make_gl_renderer(std::unique_ptr<GlContext> context, std::string device,
                                            ProjectOn project_on = ProjectOn::automatic);
 

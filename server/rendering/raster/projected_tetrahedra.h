@@ -56,7 +56,7 @@ Projection make_projection(const DrawInput& input);
 /// A point of the mesh on the screen.
 struct ScreenPoint {
   double x = 0, y = 0;        // pixels right of and above the middle of the picture
-  double q = 0;               // nearness; 0 where the point is nearer than near_depth
+  double q = 0;               // nearness; 0 if the point is nearer than near_depth
   std::uint32_t outside = 0;  // bits: near, left, right, below, above the picture; kBeyondGuard
 };
 inline constexpr std::uint32_t kTooNear = 1, kLeft = 2, kRight = 4, kBelow = 8, kAbove = 16, kBeyondGuard = 32;
@@ -83,7 +83,7 @@ static_assert(sizeof(ConstantVertex) == 4 * VERTEX_WORDS && sizeof(LinearVertex)
 
 struct TetrahedraSource {
   const IntervalMesh* mesh = nullptr;
-  const std::vector<float>* color_values = nullptr;  // [np], for LinearVertex; of a ShadedVertex null where all colours are constant
+  const std::vector<float>* color_values = nullptr;  // [np], for LinearVertex; of a ShadedVertex null if all colours are constant
   std::span<const ScreenPoint> points;               // [np]
   const Projection* projection = nullptr;
   const SurfaceFacets* facets = nullptr;   // null: none is drawn

@@ -14,7 +14,7 @@ namespace isostrata {
 inline constexpr std::uint32_t kNoFacet = NO_FACET;
 
 struct SurfaceFacets {
-  std::vector<std::uint32_t> first_of;  // [nt] a tetrahedron's first facet or kNoFacet; empty where the mesh has no facets
+  std::vector<std::uint32_t> first_of;  // [nt] a tetrahedron's first facet or kNoFacet; empty if the mesh has no facets
   std::vector<std::uint32_t> facets;    // [facets of tetrahedra] indices into mesh.facets, by tetrahedron
 };
 
@@ -22,7 +22,7 @@ struct SurfaceFacets {
 SurfaceFacets sort_facets(const IntervalMesh& mesh);
 
 /// What the shader looks up, three corners a facet in the order of SurfaceFacets::facets: points less `centre` over `scale`,
-/// color-by values, normals and texture values where there are any. Parallel.
+/// color-by values, normals and texture values if there are any. Parallel.
 std::vector<shaders::FacetCorner> facet_corners(const DrawInput& input, const SurfaceFacets& facets, Vec3d centre, double scale);
 
 /// DRAW_... bits of each interval: whether its volume and which of its facets are drawn.

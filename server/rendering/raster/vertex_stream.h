@@ -13,7 +13,7 @@ namespace isostrata {
 
 class VertexStream {
  public:
-  /// bytes: of one region. Throws too_large where the device has no memory.
+  /// bytes: of one region. Throws too_large if the device has no memory.
   VertexStream(const GlFunctions& gl, std::size_t bytes);
   ~VertexStream();
   VertexStream(const VertexStream&) = delete;

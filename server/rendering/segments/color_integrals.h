@@ -37,7 +37,7 @@ struct ColorIntegrals {
 /// How far cubics may be from the map, in display values of [0, 1].
 inline constexpr float kPieceError = 1e-3f;
 
-/// Null where no 16 equal cubics follow the map.
+/// Null if no 16 equal cubics follow the map.
 std::shared_ptr<const ColorIntegrals> make_color_integrals(const ColorMap& map);
 
 /// Remembers what was made of the maps seen last. One caller at a time.

@@ -14,7 +14,7 @@ struct CrossableMesh {
   Buffer<std::uint8_t> surface;  // [nt] bit v: the face opposite vertex v is on its interval's surface
 };
 
-/// From mesh.facets, or, where it has none, from the tetrahedra. O(tetrahedra), parallel.
+/// From mesh.facets, or, if it has none, from the tetrahedra. O(tetrahedra), parallel.
 CrossableMesh make_crossable(const IntervalMesh& mesh);
 
 }  // namespace isostrata

@@ -214,7 +214,7 @@ class TilePainter {
     return sum > kManyPixels * count;
   }
 
-  /// The whole tile by crossings. False where a ray has too many of them.
+  /// The whole tile by crossings. False if a ray has too many of them.
   bool paint_crossings(std::span<const SegmentEntry> entries, const CoverInput& part, TileMemory& memory) const {
     memory.nearest_first.assign(entries.begin(), entries.end());
     sort_by_nearness(memory.nearest_first, memory.sorted);

@@ -157,7 +157,7 @@ void place_pieces(const SegmentView& view, ChunkResult& result) {
 
 void fill_bins(const std::vector<std::span<const PlacedTetrahedron>>& chunks, int tiles_x, int tiles_y, TileBins& bins) {
   const std::size_t tiles = static_cast<std::size_t>(tiles_x) * static_cast<std::size_t>(tiles_y);
-  // Fewer, longer chunks where there are many tiles: a count for each chunk and tile.
+  // Fewer, longer chunks if there are many tiles: a count for each chunk and tile.
   const std::size_t groups = std::clamp<std::size_t>((std::size_t{1} << 22) / tiles, 1, std::max<std::size_t>(chunks.size(), 1));
   const auto group_begin = [&](std::size_t g) { return g * chunks.size() / groups; };
   std::vector<std::uint32_t> counts(groups * tiles, 0);

@@ -34,7 +34,7 @@ void fill_bins(const std::vector<std::span<const PlacedTetrahedron>>& chunks, in
 /// A piece of a tetrahedron that was cut at the eye or far outside the picture.
 struct CutTetrahedron {
   std::array<SegmentVertex, 4> vertex;
-  std::array<float, 4> shade;  // 1 where bodies are not shaded
+  std::array<float, 4> shade;  // 1 if bodies are not shaded
   std::uint32_t interval;
 };
 
@@ -47,7 +47,7 @@ struct ReachedTetrahedron {
 /// The drawn tetrahedra on the screen. ids from first_piece on are pieces. Memory is kept from frame to frame.
 struct PlacedMesh {
   Buffer<SegmentVertex> points;        // [np]; where intervals are cut, only blocks of points that anything reached uses
-  Buffer<float> shades;                // [np], see body_shading.h; empty where bodies are not shaded
+  Buffer<float> shades;                // [np], see body_shading.h; empty if bodies are not shaded
   Buffer<ReachedTetrahedron> reached;  // ids are of these where intervals are cut, else of the mesh's tetrahedra
   Buffer<CutTetrahedron> pieces;
   std::size_t first_piece = 0;

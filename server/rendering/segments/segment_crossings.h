@@ -35,7 +35,7 @@ inline constexpr std::size_t kMostCrossedIntervals = 8;
 /// bits of q. Lower half: at bit kChangeBit how many tetrahedra more there are behind it, -2 to 2, and 2; at bit 3 the place in
 /// the map; the interval.
 inline constexpr int kChangeBit = 29;
-inline constexpr std::uint32_t kNearestKey = 0x7fffffff, kFarthestKey = 0x7fefffff;  // beyond, the bits are no finite number
+inline constexpr std::uint32_t kNearestKey = 0x7fffffff, kFarthestKey = 0x7fefffff;  // beyond, the bits are not a finite number
 
 /// A tile's lists, kListLanes pixels side by side. Item k of pixel p is at p / kListLanes * kStride + k * kListLanes + p %
 /// kListLanes of `items`.
@@ -57,7 +57,7 @@ struct CrossingInput {
   std::array<float, kMostCrossedIntervals> lower{}, per_value{};
 };
 
-/// Appends the batch's crossings. False where a list is too long; then the lists are of no use. Any thread.
+/// Appends the batch's crossings. False if a list is too long; then the lists are of no use. Any thread.
 bool cross_faces(const CrossingInput& input, const CrossingBatch& batch, CrossingLists& lists);
 
 }  // namespace isostrata

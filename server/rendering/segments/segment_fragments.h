@@ -25,7 +25,7 @@ struct FragmentStore {
   float* light = nullptr;            // [capacity][4] premultiplied colour and minus alpha
   std::uint32_t* far_key = nullptr;  // [capacity] grows with the distance of the segment's middle
   std::uint16_t* pixel = nullptr;    // [capacity] kTileSize * row + column
-  float* q_in = nullptr;             // [capacity] or null where nobody asks for the depth
+  float* q_in = nullptr;             // [capacity] or null if nobody asks for the depth
   std::size_t count = 0, capacity = 0;
 };
 inline constexpr std::size_t kLightRoom =

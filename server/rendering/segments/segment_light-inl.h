@@ -110,7 +110,7 @@ HWY_INLINE void integrated_light(D d, const SegmentOptics::Look& look, V u_in, V
     }
     p = next;
   };
-  /// 0 where a part is too short for its slope to be more than rounding.
+  /// 0 if a part is too short for its slope to be more than rounding.
   const auto trust_in = [&](V step) {
     return hn::IfThenElseZero(hn::Ge(hn::Abs(step), hn::Set(d, integrals.pieces / 256)), hn::Set(d, 1.0f));
   };

@@ -30,7 +30,7 @@ struct PixelLists {
   std::vector<std::uint64_t> items;              // key << 32 | fragment
 };
 
-/// Blends the fragments behind what `pixels` holds. The store has room for one fragment more. mean_depth_of: null where nobody asks for
+/// Blends the fragments behind what `pixels` holds. The store has room for one fragment more. mean_depth_of: null if nobody asks for
 /// SegmentPixels::mean_depth, which needs the store's q_in.
 void blend_fragments(FragmentStore& store, PixelLists& lists, SegmentPixels& pixels, const SegmentView* mean_depth_of);
 

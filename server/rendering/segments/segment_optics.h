@@ -10,7 +10,7 @@
 
 namespace isostrata {
 
-/// u is the color-by value's place in its style's range, clamped to [0, 1]; what is no number counts as 0. Colour is linear
+/// u is the color-by value's place in its style's range, clamped to [0, 1]; what is not a number counts as 0. Colour is linear
 /// between a map's samples, extinction linear in u.
 struct SegmentOptics {
   // [intervals] each:
@@ -49,7 +49,7 @@ SegmentOptics make_segment_optics(const DrawInput& input, double scale, ColorInt
 /// The colour map is taken as straight where it errs by less, in display values of [0, 1].
 inline constexpr float kStraight = 1e-3f;
 
-/// The least and the greatest color-by value inside an interval; infinite where one is no number.
+/// The least and the greatest color-by value inside an interval; infinite where one is not a number.
 struct SegmentRange {
   float least = std::numeric_limits<float>::infinity(), most = -std::numeric_limits<float>::infinity();
 };

@@ -106,7 +106,7 @@ HWY_INLINE void walk_lists(const RayWalk& walk, const std::uint64_t* items, std:
   const hn::RebindToUnsigned<RF> du;
   const ColorIntegrals& integrals = *walk.integrals;
   const RV zero = hn::Zero(d), one = hn::Set(d, 1.0f), unseen = hn::Set(d, 1.0f / 16384), nowhere = hn::Set(d, -1e30f);
-  // What is no deeper takes one part, whatever it sees of the map.
+  // What is not deeper takes one part, whatever it sees of the map.
   const float bend = std::max(1 / kDeepestPart, std::sqrt(integrals.bend / kBendError));
   const RV shallow = hn::Set(d, 1 / bend), deepest = hn::Set(d, 64.0f);
   const RV per_step = hn::Set(d, ColorIntegrals::kSteps / kMapSteps);

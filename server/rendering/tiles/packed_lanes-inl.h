@@ -51,7 +51,7 @@ class Packer {
   hn::Vec<DI> from_;
 };
 
-/// Writes start, start + step, ...: at least `count` numbers, in whole vectors without a branch where they are few.
+/// Writes start, start + step, ...: at least `count` numbers, in whole vectors without a branch if they are few.
 HWY_INLINE void write_run(std::uint16_t* out, std::size_t count, unsigned start, unsigned step) {
   const hn::CappedTag<std::uint16_t, 16> d;
   const auto steps = hn::Mul(hn::Iota(d, 0), hn::Set(d, static_cast<std::uint16_t>(step)));

@@ -56,7 +56,7 @@ bool visit_scene_command(const v1::ClientMessage& message, const Visit& visit) {
   }
 }
 
-// Does `change` to a copy and keeps it where it was not refused.
+// Does `change` to a copy and keeps it if it was not refused.
 template <class Change>
 CommandOutcome attempt(SceneState& state, const Change& change) {
   SceneState next = state;
@@ -122,7 +122,7 @@ CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const Com
       apply(next, arrays, context);
       v1::SetTimeStep step;
       step.set_step(wanted.step());
-      apply(next, step, context);  // and forgets the time, which follows where there is one
+      apply(next, step, context);  // and forgets the time, which follows if there is one
       v1::SetTime time;
       if (wanted.has_time()) time.set_time(wanted.time());
       time.set_mode(wanted.time_mode());

@@ -12,7 +12,7 @@ namespace isostrata {
 
 /// What commands are judged against.
 struct CommandContext {
-  const DatasetFacts* dataset = nullptr;  // of scene.dataset; null where none is open
+  const DatasetFacts* dataset = nullptr;  // of scene.dataset; null if none is open
   double aspect = 1;                      // of the asker's viewport: a view shows the whole dataset in it
 };
 
@@ -43,7 +43,7 @@ CommandOutcome apply_state(SceneState& state, const v1::State& wanted, const Com
 std::optional<v1::Error> restore_state(SceneState& state, const v1::State& saved, std::uint32_t last_interval_id,
                                        const CommandContext& context);
 
-/// Shows the interval that comes `steps` after the one that a cycle shows. False where nothing changes: another mode, fewer than
+/// Shows the interval that comes `steps` after the one that a cycle shows. False if nothing changes: another mode, fewer than
 /// two that could be shown.
 bool advance_cycle(SceneState& state, std::int64_t steps);
 
@@ -62,14 +62,14 @@ bool show_first_layers(SceneState& state, const DatasetFacts& dataset);
 /// The id of what is to be opened: of the part, if the message asks for one. Sets the error, naming the field, if that cannot be read.
 std::string asked_dataset(const v1::OpenDataset& wanted, std::optional<v1::Error>& error);
 
-/// Null where the size is one that can be drawn; names the field that is not.
+/// Null if the size is one that can be drawn; names the field that is not.
 std::optional<v1::Error> check_size(std::uint32_t width, std::uint32_t height);
-/// Null where the place is one of a picture.
+/// Null if the place is one of a picture.
 std::optional<v1::Error> check_probe(const v1::ProbePoint& probe);
-/// Null where the points are there and finite, two of a line and not the same, and the open dataset has the array; of a place over steps, if it has several.
+/// Null if the points are there and finite, two of a line and not the same, and the open dataset has the array; of a place over steps, if it has several.
 std::optional<v1::Error> check_line(const v1::ProbeLine& line, const CommandContext& context);
 std::optional<v1::Error> check_steps(const v1::ProbeSteps& probe, const CommandContext& context);
-/// Null where the scene has the interval, and the open dataset the array.
+/// Null if the scene has the interval, and the open dataset the array.
 std::optional<v1::Error> check_layer(std::uint32_t interval, const std::string& array, const Scene& scene, const CommandContext& context);
 std::optional<v1::Error> check_histogram(const v1::RequestHistogram& request, const CommandContext& context);
 

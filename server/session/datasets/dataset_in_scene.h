@@ -13,7 +13,7 @@
 namespace isostrata {
 
 /// The range that colours run over: the scene's own, or that of its array's values as far as they are known. drawn: as drawn_scene made it;
-/// facts: null where no dataset is open.
+/// facts: null if no dataset is open.
 ColorRange known_color_range(const Scene& drawn, const DatasetFacts* facts);
 
 /// Of one session. Pure: it changes the scene and says what came of it. Not thread-safe.
@@ -37,7 +37,7 @@ class DatasetInScene {
   /// The dataset is open. reload: it was before, too, and the scene goes on with what is there now, as far as it fits. aspect: of the window of
   /// whoever asked. incomplete: ranges_read() will follow.
   Shown show(const DatasetFacts& facts, bool reload, double aspect, bool incomplete);
-  /// The ranges of its arrays are complete; before: what was known, null where they stay that. True: the scene has a new revision.
+  /// The ranges of its arrays are complete; before: what was known, null if they stay that. True: the scene has a new revision.
   bool ranges_read(const DatasetFacts* before, const DatasetFacts& facts);
 
  private:

@@ -38,7 +38,7 @@ class DatasetVersions {
   /// Names datasets in the request as the engine knows them: the version that the session shows, if it shows one of this dataset, else
   /// the newest. shown: an engine's id, or empty.
   void name_for_engine(EngineRequest& request, const std::function<std::string(SessionKey)>& shown);
-  /// The event as everyone else knows the dataset; nothing where it is so already.
+  /// The event as everyone else knows the dataset; nothing if it is so already.
   std::optional<EngineEvent> name_for_clients(const EngineEvent& event) const;
 
  private:

@@ -15,7 +15,7 @@ class PendingRequests {
 
   /// A number that none had before.
   RequestId add(SessionKey session, Listener listener);
-  /// The listener will not be called any more. Whose it was; nothing where nobody waits.
+  /// The listener will not be called any more. Whose it was; nothing if nobody waits.
   std::optional<SessionKey> forget(RequestId request);
   /// Tells the listener of the event, which is about a request. After FrameStarted it waits on; all others are the last.
   void answer(const EngineEvent& event, TimePoint now);

@@ -24,7 +24,7 @@
 namespace isostrata {
 
 struct JournalOptions {
-  std::filesystem::path directory;  // made where it is not there
+  std::filesystem::path directory;  // made if it is not there
   std::chrono::milliseconds sync_period{1000};
   std::size_t max_file_bytes = 1 << 20;  // beyond it a log is written anew; it exceeds this by at most one record
   std::size_t max_sessions = 10000;      // that are read; the newest
@@ -55,7 +55,7 @@ class Journal {
   /// keep for a while, which is told.
   void keep_now(journal::Entry entry);
   void forget(const std::string& session);
-  /// Waits until everything said before is on the disk; false where it is not by then.
+  /// Waits until everything said before is on the disk; false if it is not by then.
   bool flush(std::chrono::milliseconds timeout);
 
  private:

@@ -37,7 +37,7 @@ bool is_session_id(const std::string& text);
 /// The entry as it stands in a log.
 std::string log_record(const journal::Entry& entry);
 
-/// The newest whole entry in a log's bytes; false where there is none. `session`: whose it must be. Takes any bytes at all.
+/// The newest whole entry in a log's bytes; false if there is none. `session`: whose it must be. Takes any bytes at all.
 bool newest_entry(const std::string& bytes, const std::string& session, journal::Entry& entry);
 
 /// One path; two of the same one may be used by turns. Not thread-safe.
@@ -49,7 +49,7 @@ class SessionLog {
   SessionLog(const std::filesystem::path& directory, const std::string& session) : path_(directory / (session + kSuffix)) {}
 
   const std::filesystem::path& path() const { return path_; }
-  /// 0 where there is none.
+  /// 0 if there is none.
   std::size_t size() const;
 
   enum class Appended : std::uint8_t { done, no_room, failed };
@@ -61,7 +61,7 @@ class SessionLog {
   /// Puts it into place.
   void rename_beside(const char* suffix, std::error_code& error) const;
   void remove_beside(const char* suffix) const;
-  /// At most `most` bytes; empty where there is none.
+  /// At most `most` bytes; empty if there is none.
   std::string read(std::size_t most) const;
 
  private:

@@ -26,7 +26,7 @@ struct CodecCandidate {
 /// The size is the largest that one of the codecs makes in time; at that size, the least forecast wins. What is no more than
 /// kAsGood worse and shows a better picture is taken instead. So is the same picture in less than half the bytes, if these take
 /// the line time and its forecast is no more than a fifth worse: it is late by far less when the rate falls. What is in use stays
-/// until it is kWorse than the least (kMistake, where it is the far lighter one), or as good and less like or far heavier, for a
+/// until it is kWorse than the least (kMistake, if it is the far lighter one), or as good and less like or far heavier, for a
 /// while. Not thread-safe.
 class CodecChoice {
  public:

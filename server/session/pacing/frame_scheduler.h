@@ -107,10 +107,10 @@ class FrameScheduler {
   bool visible() const { return !hidden_ && width_ > 0; }
   /// Whether the last picture that was ordered was one in motion: a gesture goes on.
   bool moving() const { return wanted_.moving; }
-  /// Of the viewport; 0 where there is none.
+  /// Of the viewport; 0 if there is none.
   int width() const { return width_; }
   int height() const { return height_; }
-  /// Width over height; 1 where there is no viewport.
+  /// Width over height; 1 if there is no viewport.
   double aspect() const { return width_ > 0 && height_ > 0 ? static_cast<double>(width_) / height_ : 1; }
   int window() const;
   int in_flight() const { return started_ + static_cast<int>(link_.in_flight()); }

@@ -8,7 +8,7 @@ namespace {
 
 bool same_picture(const FrameRequest& a, const FrameRequest& b) {
   if (a.video.has_value() != b.video.has_value()) return false;
-  // Whoever needs a key frame cannot do with an ordinary one; the other way round is no loss.
+  // Whoever needs a key frame cannot do with an ordinary one; the other way round is not a loss.
   if (a.video && (a.video->stream != b.video->stream || (b.video->key && !a.video->key))) return false;
   return a.width == b.width && a.height == b.height && a.lossless == b.lossless && a.jpeg == b.jpeg &&
          a.coarse == b.coarse && a.samples == b.samples && a.jpeg_quality == b.jpeg_quality && a.band_bytes == b.band_bytes && a.until_newer == b.until_newer;

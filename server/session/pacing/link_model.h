@@ -25,7 +25,7 @@ class LinkModel {
   static constexpr Duration kMemory = std::chrono::seconds(10);  // of the shortest round trip
 
   void sent(std::uint64_t frame, std::size_t bytes, TimePoint now);
-  /// decode: what the client says that it took; what is usual of it is no fault of the way, and no more than the round trip is
+  /// decode: what the client says that it took; what is usual of it is not a fault of the way, and no more than the round trip is
   /// believed. Frames before it count as arrived with it. Unknown ids do nothing.
   void acknowledged(std::uint64_t frame, Duration decode, TimePoint now);
   /// The round trip of something without weight: a WebSocket ping.
@@ -37,7 +37,7 @@ class LinkModel {
   Duration shortest_round_trip() const;
   /// How long frames waited behind others lately; smoothed over a few.
   Duration queue_delay() const { return queue_delay_; }
-  /// When the link will have passed all that was sent; not later than now where it is idle or its rate is unknown.
+  /// When the link will have passed all that was sent; not later than now if it is idle or its rate is unknown.
   TimePoint free_at(TimePoint now) const;
 
   std::size_t in_flight() const { return flying_.size(); }

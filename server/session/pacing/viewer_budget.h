@@ -16,7 +16,7 @@ class TokenBucket {
 
   TokenBucket(double per_second, double most) : per_second_(per_second), most_(most), tokens_(most) {}
 
-  /// Zero where there are any tokens, else how long until there are. What is taken may be more than there are.
+  /// Zero if there are any tokens, else how long until there are. What is taken may be more than there are.
   Duration wait(TimePoint now) {
     if (now > filled_) {
       tokens_ = std::min(most_, tokens_ + per_second_ * std::chrono::duration<double>(now - filled_).count());

@@ -34,7 +34,7 @@ class Invitations {
   static constexpr std::size_t kMaxByGuest = 8;
   /// made_by: as Invitation's. What one who was invited makes is over when that one's own is, at the latest.
   Made make(const v1::CreateInvitation& wanted, UnixMs now, const std::string& made_by = {});
-  /// Takes it out, with those that were made by it, by these, and so on; their ids. None where there is none of this id.
+  /// Takes it out, with those that were made by it, by these, and so on; their ids. None if there is none of this id.
   std::vector<std::string> revoke(const std::string& id);
   /// Whether it was made by that one, or by one that was. One without an id has made them all.
   bool descends(const std::string& id, const std::string& from) const;

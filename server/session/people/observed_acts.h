@@ -12,7 +12,7 @@ namespace isostrata {
 
 struct ObservedAct {
   std::string act;     // the field of the message
-  std::string detail;  // of what, where that is a matter of words
+  std::string detail;  // of what, if that is a matter of words
 };
 
 /// Of one viewer. Pure decisions on a clock that the caller passes in. Not thread-safe.

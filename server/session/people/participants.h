@@ -39,7 +39,7 @@ class Participants {
   std::size_t size() const { return viewers_.size(); }
   /// Null: it is not there.
   Viewer* find(ViewerKey key) const;
-  /// The client on its newest connection; null where it has none.
+  /// The client on its newest connection; null if it has none.
   Viewer* find_client(const std::string& client_id) const;
   void tell(const v1::ServerMessage& message) const;
   /// Tells everyone who is there, and in which role.
@@ -48,7 +48,7 @@ class Participants {
 
   // ---- who may do what ----
 
-  /// Why the viewer may not do what the message asks for; nothing where it may.
+  /// Why the viewer may not do what the message asks for; nothing if it may.
   std::optional<std::string> forbidden(const Viewer& viewer, const v1::ClientMessage& message) const;
   /// If the message is about people, which it must not be forbidden(), does what it asks for, and answers the viewer or the reply.
   bool answer(Viewer& viewer, const v1::ClientMessage& message, TimePoint now, const Reply& reply);
@@ -66,7 +66,7 @@ class Participants {
   void restore(std::vector<Invitation> invitations) { invitations_.restore(std::move(invitations)); }
   /// made_by: as Invitation's.
   Invitations::Made invite(const v1::CreateInvitation& wanted, const std::string& made_by = {});
-  /// Cuts off whoever came by it. False where there is none of this id.
+  /// Cuts off whoever came by it. False if there is none of this id.
   bool revoke(const std::string& invitation);
   void expire(UnixMs now);
   v1::Invitation to_wire(const Invitation& invitation) const;

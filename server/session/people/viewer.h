@@ -53,7 +53,7 @@ struct Viewer {
   bool refines = false;           // wants pictures of more samples after them
   std::deque<Band> bands;         // of the newest one, that have not been sent
   bool awaits_layers = false;     // and what its layers hold has not been told
-  StreamId stream = 0;            // of its moving frames, where that is video and one has been ordered
+  StreamId stream = 0;            // of its moving frames, if that is video and one has been ordered
   RequestId ordered_request = 0;  // not started
 
   v1::Viewport viewport;                   // as it was asked for
@@ -65,7 +65,7 @@ struct Viewer {
   v1::Role role = v1::ROLE_CONTROLLER;
   std::string invitation;  // that it came by; empty: it has the server's token
   std::string name, client, client_id;
-  std::string address;     // at the other end of its connection, where that is known
+  std::string address;     // at the other end of its connection, if that is known
   ObservedActs acts;
 
   /// That its frames are made for. Who may only look gets pictures of at most most_pixels(), of the same shape.

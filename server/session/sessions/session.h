@@ -113,7 +113,7 @@ class Session final : private SessionDataset::Audience {
   void look_at_files(TimePoint now) { dataset_.look_at_files(now); }
   /// A file that is waited for may not come.
   void look_at_waiting(TimePoint now) { dataset_.look_at_waiting(now); }
-  /// Makes the scene what the state says, opening its dataset first where it is another one.
+  /// Makes the scene what the state says, opening its dataset first if it is another one.
   void set_state(const v1::State& wanted, TimePoint now, Reply reply, std::optional<std::uint64_t> expected = {});
 
   /// One picture of the newest scene for a script. The answer is FrameReady or RequestFailed.

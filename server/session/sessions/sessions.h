@@ -34,7 +34,7 @@ class Sessions final : public SessionKeeper {
     std::string invitation;
     std::string address;  // that it came from, for the log
   };
-  /// By an invitation's token. Takes as long for every token of one length; nothing where it is none, or over.
+  /// By an invitation's token. Takes as long for every token of one length; nothing if it is none, or over.
   std::optional<Admission> admit(const std::string& token);
   /// By what proof_of(secret_hash(token), text) gave.
   std::optional<Admission> admit(const std::string& text, const std::string& proof);
@@ -55,7 +55,7 @@ class Sessions final : public SessionKeeper {
   // ---- scripts ----
 
   using NewFor = isostrata::NewFor;
-  /// Null, with the error, where there is no room and no session that gives way (make_room).
+  /// Null, with the error, if there is no room and no session that gives way (make_room).
   Session* create(TimePoint now, v1::Error& error, NewFor whom = NewFor::viewer);
   Session* find(const std::string& id);
   /// Not from inside a session's reply: there, end_unwatched_soon.
@@ -90,7 +90,7 @@ class Sessions final : public SessionKeeper {
   void announce_end(const std::string& reason, UnixMs ends);
   /// Tells everyone that the server ends within that time, and closes their connections.
   void shut_down(const std::string& reason, Duration deadline = {});
-  /// Waits until all sessions are on the disk; false where they are not by then, or are not kept at all.
+  /// Waits until all sessions are on the disk; false if they are not by then, or are not kept at all.
   bool flush_journal(std::chrono::milliseconds timeout) { return journal_ && journal_->flush(timeout); }
 
   /// As EngineRequests has them.

@@ -14,7 +14,7 @@ namespace isostrata {
 constexpr std::size_t kMaxListed = 1024;          // elements of one list; no command has as many
 constexpr std::size_t kMaxMessageValues = 20000;  // fields of a message and of those in it; the fullest state has some 12,000
 
-/// Why bytes of a message of this type hold too much; nothing where they do not. What is no message is left to the parser to say.
+/// Why bytes of a message of this type hold too much; nothing if they do not. What is not a message is left to the parser to say.
 /// In time linear in the bytes, and without memory.
 std::optional<std::string> holds_too_much(const google::protobuf::Descriptor& type, std::string_view bytes);
 

@@ -128,7 +128,7 @@ class ExtractBench {
     clip_and_split();
     clips.peer_volume = peer.volume();
     const std::int64_t peer_tetrahedra = peer.cells();
-    if (peer.not_tetrahedra() > 0) throw Error(ErrorCode::internal, data + ": the peer left cells that are no tetrahedra");
+    if (peer.not_tetrahedra() > 0) throw Error(ErrorCode::internal, data + ": the peer left cells that are not tetrahedra");
     peer.forget();
     const double once_ms = whole.elapsed_ms();
     while (split_samples.size() < 3 && (options_.full || once_ms < 3000) && left_s() > 3 * once_ms / 1e3) {

@@ -46,7 +46,7 @@ void print_peak_memory(Side side, const std::string& data, const std::string& ar
   const Task task;
   Workload workload = open_workload(data, array, task);
   workload.interval = interval;
-  std::ofstream("/proc/self/clear_refs") << "5";  // the peak counts from here; where that is refused, from the start
+  std::ofstream("/proc/self/clear_refs") << "5";  // the peak counts from here; if that is refused, from the start
   const std::uint64_t loaded = proc_bytes("/proc/self/status", "VmRSS");
   if (side == Side::ours) {
     const IntervalMesh mesh = extract_ours(workload, task);

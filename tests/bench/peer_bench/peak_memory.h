@@ -19,7 +19,7 @@ struct PeakMemory {
   std::uint64_t data_bytes = 0;  // its resident size at that moment
 };
 
-/// Starts this program again as `peak-memory` on the data. Throws unavailable where the child fails, with what it said; a child
+/// Starts this program again as `peak-memory` on the data. Throws unavailable if the child fails, with what it said; a child
 /// that would use more than max_bytes of address space ends with such an error.
 PeakMemory measure_peak_memory(Side side, const std::string& data, const std::string& array, Interval interval, int threads,
                                std::uint64_t max_bytes);
@@ -27,7 +27,7 @@ PeakMemory measure_peak_memory(Side side, const std::string& data, const std::st
 /// The child's part: loads the data, does the side's work once, and prints "peak data" in bytes on standard output.
 void print_peak_memory(Side side, const std::string& data, const std::string& array, Interval interval, int threads);
 
-/// MemTotal of /proc/meminfo; 0 where it cannot be read.
+/// MemTotal of /proc/meminfo; 0 if it cannot be read.
 std::uint64_t machine_memory();
 
 }  // namespace isostrata::peers

@@ -23,20 +23,20 @@ struct Row {
   Spread kept;     // ours again, with what earlier extractions of the same field left
   double aim = 0;  // the ratio wished for; 0: none
 
-  double our_volume = 0, peer_volume = 0;  // 0 where not compared
+  double our_volume = 0, peer_volume = 0;  // 0 if not compared
   std::int64_t peer_cells = 0;
 
   PeakMemory our_memory, peer_memory;      // peak_bytes 0: not measured
-  std::uint64_t peer_bytes_estimated = 0;  // where it does not fit in this machine
+  std::uint64_t peer_bytes_estimated = 0;  // if it does not fit in this machine
   double memory_aim = 0;                   // peer / ours wished for; 0: none
   std::string note;
 
   double ratio() const { return ours.median > 0 ? theirs.median / ours.median : 0; }
   double ratio_kept() const { return kept.median > 0 ? theirs.median / kept.median : 0; }
   double ratio_of_minima() const { return ours.min > 0 ? theirs.min / ours.min : 0; }  // less of a neighbour's noise
-  /// |ours - theirs| / theirs; 0 where not compared.
+  /// |ours - theirs| / theirs; 0 if not compared.
   double volume_difference() const;
-  /// Peer's peak / ours, 0 where one is unknown.
+  /// Peer's peak / ours, 0 if one is unknown.
   double memory_ratio() const;
 };
 

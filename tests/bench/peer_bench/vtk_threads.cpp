@@ -1,4 +1,4 @@
-// Compiled as C++17: VTK 9.1's vtkSMPTools.h is no valid C++20 (a constructor declared by the template's name with arguments).
+// Compiled as C++17: VTK 9.1's vtkSMPTools.h is not valid C++20 (a constructor declared by the template's name with arguments).
 #include "vtk_threads.h"
 
 #include <vtkSMPTools.h>
@@ -7,7 +7,7 @@
 namespace isostrata::peers {
 
 std::string prepare_vtk(int threads) {
-  vtkSMPTools::SetBackend("TBB");  // where there is none, the back end stays as it is
+  vtkSMPTools::SetBackend("TBB");  // if there is none, the back end stays as it is
   vtkSMPTools::Initialize(threads);
   return std::string("VTK ") + vtkVersion::GetVTKVersion() + ", " + vtkSMPTools::GetBackend() + ", " +
          std::to_string(vtkSMPTools::GetEstimatedNumberOfThreads()) + " threads";

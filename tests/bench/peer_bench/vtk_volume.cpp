@@ -45,7 +45,7 @@ vtkSmartPointer<vtkUnstructuredGrid> copy_mesh(const DrawInput& input) {
     for (std::size_t v = 0; v < 4; ++v) corners->SetValue(static_cast<vtkIdType>(4 * t + v), mesh.tetrahedra[t][v]);
   vtkNew<vtkCellArray> cells;
   cells->SetData(offsets, corners);
-  vtkNew<vtkFloatArray> scalars;  // all 0 where the colour is constant
+  vtkNew<vtkFloatArray> scalars;  // all 0 if the colour is constant
   scalars->SetName("scalars");
   scalars->SetNumberOfValues(points->GetNumberOfPoints());
   for (std::size_t i = 0; i < mesh.positions.size(); ++i)

@@ -19,7 +19,7 @@ const char* name_of(VtkMapper mapper);
 /// resolution of a slow one) and is read back as 8 bits.
 class VtkVolume {
  public:
-  /// The first of input.styles is everybody's. Throws unavailable where there is no EGL surfaceless context.
+  /// The first of input.styles is everybody's. Throws unavailable if there is no EGL surfaceless context.
   VtkVolume(VtkMapper mapper, const DrawInput& input, int threads);
   ~VtkVolume();
 

@@ -113,7 +113,7 @@ Grid random_box_grid(const std::array<std::int64_t, 3>& dims, std::mt19937_64& r
   return {shape, {}, nullptr};
 }
 
-/// Bent, now and then left-handed; some cells without volume; where asked for, some positions that are not finite.
+/// Bent, now and then left-handed; some cells without volume; if asked for, some positions that are not finite.
 Grid random_curvilinear_grid(const std::array<std::int64_t, 3>& dims, bool not_finite, std::mt19937_64& random) {
   std::vector<Vec3d> points;
   const double sign = random() % 2 ? 1 : -1;

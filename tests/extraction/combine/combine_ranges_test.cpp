@@ -49,7 +49,7 @@ struct Field {
   std::string name;
 };
 
-/// Random values, or whole numbers where ties are wanted: then ranges between whole numbers meet many points.
+/// Random values, or whole numbers if ties are wanted: then ranges between whole numbers meet many points.
 std::vector<PointArray> random_arrays(const Grid& grid, bool ties, std::mt19937_64& random) {
   std::vector<PointArray> arrays;
   for (int i = 0; i < 4; ++i) {

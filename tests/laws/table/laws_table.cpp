@@ -1,5 +1,5 @@
 // isostrata-laws: the laws of interval volumes over every file of the shared test data and every array in it, as a table. Exits
-// with 1 where one breaks.
+// with 1 if one breaks.
 //
 //   cmake --build --preset release --target isostrata-laws && build/release/bin/isostrata-laws [--parts K] [FILE...]
 #include <cstdio>

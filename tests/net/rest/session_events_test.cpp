@@ -30,7 +30,7 @@ class Listening {
     std::string name;
     json::value data;
   };
-  /// Its name is empty where the server has ended the connection, or nothing came in time.
+  /// Its name is empty if the server has ended the connection, or nothing came in time.
   Event next() {
     std::size_t end;
     while ((end = text_.find("\n\n")) == std::string::npos)

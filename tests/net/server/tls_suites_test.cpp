@@ -23,7 +23,7 @@ Context client_of(int least, int most) {
   return context;
 }
 
-/// The suite that both agree on; empty where there is none.
+/// The suite that both agree on; empty if there is none.
 std::string agreed(SSL_CTX* context, unsigned short port) {
   const int line = socket(AF_INET, SOCK_STREAM | SOCK_CLOEXEC, 0);
   sockaddr_in to{};

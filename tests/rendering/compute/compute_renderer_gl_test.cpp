@@ -421,7 +421,7 @@ TEST(Compute, ALostContextIsAClearErrorAndTheNextPictureWorks) {
   EXPECT_EQ(draw_bytes(input, *renderer).rgba, before.rgba);
 }
 
-// On a software device only where it is asked for.
+// On a software device only if it is asked for.
 TEST(RendererTrial, TheFasterOfRasterAndComputeIsKept) {
   const auto renderer = make_renderer({"auto", test_device(), true});
   const std::string report = renderer_trial_report();

@@ -120,7 +120,7 @@ TEST(FieldKeys, PromoteIntegersOf64BitsAsTheCpuDoes) {
   expect_order_and_classes<std::uint64_t>(ScalarType::uint64);
 }
 
-// The device numbers points without looking at cells: a point of a cell is in use where it is inside, or where the ends of its
+// The device numbers points without looking at cells: a point of a cell is in use if it is inside, or where the ends of its
 // edge are on two sides of an isovalue. The table must say the same for every case.
 TEST(FieldKeys, ACaseUsesJustTheVerticesInsideAndTheEdgesThatCross) {
   const HexahedronTable& table = hexahedron_table();

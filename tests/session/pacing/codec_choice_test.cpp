@@ -108,7 +108,7 @@ TEST_F(Choice, OfTwoThatAreAsSoonTheOneOfFarFewerBytesIsShownWhereTheyTakeTime) 
     both[1].line_ms = jpeg_line_ms / 5;
     return both;
   };
-  EXPECT_EQ(run(candidates(1), seconds(5)).codec, kJpeg) << "on a fast line bytes are no reason";
+  EXPECT_EQ(run(candidates(1), seconds(5)).codec, kJpeg) << "on a fast line bytes are not a reason";
   EXPECT_EQ(run(candidates(20), seconds(5)).codec, kVideo);
   EXPECT_EQ(run(candidates(6), seconds(5)).codec, kVideo) << "and none to go back";
   EXPECT_EQ(changes_.size(), 1u);
@@ -129,7 +129,7 @@ TEST_F(Choice, AtRestTheSizeIsChosenAnewWithoutPatienceAndInAGestureNot) {
   EXPECT_EQ(anew(150), 0.4);
   EXPECT_EQ(anew(20), 1) << "and the next one is whole again";
   const auto slow = sizes(60);
-  EXPECT_EQ(slow[choice_.choose(slow, now_ += kTick)].scale, 1) << "one forecast is no reason while somebody looks";
+  EXPECT_EQ(slow[choice_.choose(slow, now_ += kTick)].scale, 1) << "one forecast is not a reason while somebody looks";
 }
 
 TEST_F(Choice, AMistakeIsLeftAtOnceAndNotRepeatedSoon) {

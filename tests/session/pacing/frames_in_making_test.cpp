@@ -94,7 +94,7 @@ TEST(FramesInMakingOfASession, WhoNeedsAKeyFrameCannotDoWithAnOrdinaryOne) {
   EXPECT_FALSE(making.join(11, video(8), order(), 5)) << "another stream";
   EXPECT_TRUE(making.join(11, video(7), order(), 5));
   making.ask(2, video(9, true), order(), 5, 12);
-  EXPECT_TRUE(making.join(13, video(9), order(), 5)) << "the other way round is no loss";
+  EXPECT_TRUE(making.join(13, video(9), order(), 5)) << "the other way round is not a loss";
 }
 
 TEST(FramesInMakingOfASession, WhatNobodyWantsAnyMoreIsNotMadeButForFramesOfAStream) {

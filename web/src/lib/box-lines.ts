@@ -81,7 +81,7 @@ export function boxLines(camera: Camera, box: Box, width: number, height: number
   if ((middleView[2] >= 0 && !camera.orthographic) || inside) return result;
   const middle = screenFromView(camera, width, height, middleView);
   for (const axis of [0, 1, 2] as const) {
-    // Labels stand on the outline, where they do not cover the picture: of its edges along this axis, the lowest on the screen.
+    // Labels stand on the outline, if they do not cover the picture: of its edges along this axis, the lowest on the screen.
     let best: { edge: Edge; line: [[number, number], [number, number]]; y: number } | null = null;
     for (const edge of edges) {
       if (edge.axis !== axis || edge.facing !== 1) continue;

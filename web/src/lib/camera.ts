@@ -34,7 +34,7 @@ export function worldPerPixel(camera: Camera, height: number): number {
   return (2 * length(sub(camera.eye, camera.at)) * Math.tan((camera.fovDeg * Math.PI) / 360)) / height;
 }
 
-/** A line between two world points on the screen, cut at a plane just before the eye; null where all of it lies behind. */
+/** A line between two world points on the screen, cut at a plane just before the eye; null if all of it lies behind. */
 export function projectSegment(
   camera: Camera,
   axes: ViewAxes,

@@ -4,7 +4,7 @@ import type { Box, ClipPlane } from './model';
 export const sides = ['x<', 'x>', 'y<', 'y>', 'z<', 'z>'] as const;
 export type Side = (typeof sides)[number];
 
-/** Which axis and side a plane keeps; null where it is oblique. */
+/** Which axis and side a plane keeps; null if it is oblique. */
 export function sideOf({ normal }: ClipPlane): Side | null {
   const axis = [0, 1, 2].filter((a) => normal[a] !== 0);
   if (axis.length !== 1) return null;

@@ -73,7 +73,7 @@ export class Connection {
     this.#refusal = reason;
   }
 
-  /** The message's seq, or 0 where there is nobody to send it to. number: of a command that may be sent again. */
+  /** The message's seq, or 0 if there is nobody to send it to. number: of a command that may be sent again. */
   send(body: Command, number = 0): number {
     if (!this.#socket || this.#socket.readyState !== 1) return 0;
     this.#seq += 1;

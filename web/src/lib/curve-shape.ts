@@ -2,7 +2,7 @@
 import type { Range, Vec3 } from './model';
 import type { ProbedCurve } from './told';
 
-/** Of the finite values; null where there is none. */
+/** Of the finite values; null if there is none. */
 export function curveRange(values: readonly number[]): Range | null {
   let lower = Infinity;
   let upper = -Infinity;

@@ -38,7 +38,7 @@ export function clockOf(notes: readonly string[]): Clock | null {
   return null;
 }
 
-/** "2001-03-01", or "2001-03-01 06:00" where not all of `times` are at midnight; '' where there is none. */
+/** "2001-03-01", or "2001-03-01 06:00" where not all of `times` are at midnight; '' if there is none. */
 export function dateOf(time: number, clock: Clock, times: readonly number[] = [time]): string {
   const { calendar, since, unitSeconds } = clock;
   const seconds = (of: number) => Math.round(since.seconds + of * unitSeconds);

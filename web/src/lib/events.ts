@@ -16,7 +16,7 @@ import { plain, roles } from './protocol';
 import { datasetInfoOf, entryOf, listOf } from './wire-datasets';
 import { cameraOf, stateOf } from './wire-scene';
 
-/** Throws where the bytes are not a ServerMessage. */
+/** Throws if the bytes are not a ServerMessage. */
 export function decodeEvent(bytes: Uint8Array): ServerEvent {
   const { body, heeded } = fromBinary(ServerMessageSchema, bytes);
   switch (body.case) {

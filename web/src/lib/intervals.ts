@@ -49,7 +49,7 @@ export function shownEnds(interval: Range, axis: Range): Range {
   };
 }
 
-/** The one end that can be moved where the other is open; null where both can, or none. */
+/** The one end that can be moved where the other is open; null if both can, or none. */
 function onlyEnd(interval: Range): End | null {
   if (Number.isFinite(interval.lower) === Number.isFinite(interval.upper)) return null;
   return Number.isFinite(interval.lower) ? 'lower' : 'upper';
@@ -99,7 +99,7 @@ export function moveAndSnap(
   return { lower, upper: lower + width };
 }
 
-/** What two points dragged on the empty axis mean: an interval, or null where it is too thin to have been meant. */
+/** What two points dragged on the empty axis mean: an interval, or null if it is too thin to have been meant. */
 export function drawn(from: number, to: number, axis: Range): Range | null {
   const lower = Math.max(Math.min(from, to), axis.lower);
   const upper = Math.min(Math.max(from, to), axis.upper);
@@ -154,7 +154,7 @@ export function typeEnd(interval: Range, end: End, text: string): Range | string
   return { ...interval, [end]: value };
 }
 
-/** As `typeEnd` for the values that colours run over, which are not open, and above 0 where they run by the logarithm. */
+/** As `typeEnd` for the values that colours run over, which are not open, and above 0 if they run by the logarithm. */
 export function typeColorEnd(range: ColorRange, end: End, text: string): Range | string {
   const ends = typeEnd(range, end, text);
   if (typeof ends === 'string') return ends;
@@ -202,7 +202,7 @@ export function placed(order: readonly number[], id: number, place: number): num
   return [...rest.slice(0, at), id, ...rest.slice(at)];
 }
 
-/** What a layer is called by where it has no name. Its number stays when another one is deleted. */
+/** What a layer is called by if it has no name. Its number stays when another one is deleted. */
 export function layerNumber(intervals: readonly Interval[], id: number): string {
   const at = intervals.findIndex((interval) => interval.id === id);
   return `Layer ${intervals[at]?.number || at + 1}`;

@@ -10,7 +10,7 @@ export class RateMeter {
     this.#times.push(nowMs);
     this.#trim(nowMs);
   }
-  /** 0 where fewer than two frames have come lately: a still picture has no rate. */
+  /** 0 if fewer than two frames have come lately: a still picture has no rate. */
   rate(nowMs: number): number {
     this.#trim(nowMs);
     const first = this.#times[0];

@@ -119,7 +119,7 @@ export interface Cycle {
 /** Of the mode "smear": time steps, or times, over one another. */
 export interface Smear {
   steps: number[];
-  times: number[]; // in place of steps, where there are any
+  times: number[]; // in place of steps, if there are any
   colors: Rgb[];
 }
 

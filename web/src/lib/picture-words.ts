@@ -7,7 +7,7 @@ type Shown = Pick<Frame, 'phase' | 'revision' | 'tetrahedra' | 'height'> & Parti
 
 type Drawn = Pick<Frame, 'tetrahedra' | 'intervals'> & Partial<Pick<Frame, 'pointStride'>>;
 
-/** Why the picture has to be empty; null where something is to be seen, or nobody knows yet. blank: a finished picture is all background. */
+/** Why the picture has to be empty; null if something is to be seen, or nobody knows yet. blank: a finished picture is all background. */
 export function emptyReason(view: SceneState, info: DatasetInfo | null, frame: Drawn | null, blank: boolean): string | null {
   if (!view.dataset || info?.id !== view.dataset) return null;
   if (info.cells === 0)
@@ -56,7 +56,7 @@ export interface Badge {
   title: string;
 }
 
-/** Two digits that are no less than the value. */
+/** Two digits that are not less than the value. */
 function atMost(value: number): string {
   const unit = 10 ** (Math.floor(Math.log10(value)) - 1);
   return value > 0 ? formatNumber(Math.ceil(value / unit) * unit, 2) : '0';

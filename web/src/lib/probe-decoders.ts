@@ -9,7 +9,7 @@ const patienceMs = 1500;
 export const tolerance = 6;
 
 export interface ProbeDoors {
-  /** The picture's pixels, rgba, of probeSide x probeSide; rejects where it cannot be decoded. */
+  /** The picture's pixels, rgba, of probeSide x probeSide; rejects if it cannot be decoded. */
   decode(stream: ProbeStream): Promise<Uint8ClampedArray>;
   setTimeout(callback: () => void, ms: number): unknown;
 }
@@ -40,7 +40,7 @@ export async function probeDecoders(doors: ProbeDoors | null): Promise<string[]>
   }
 }
 
-/** null where the browser has no VideoDecoder: an insecure context, or an old browser. */
+/** null if the browser has no VideoDecoder: an insecure context, or an old browser. */
 export function browserProbe(): ProbeDoors | null {
   if (typeof VideoDecoder === 'undefined' || typeof EncodedVideoChunk === 'undefined') return null;
   return { decode: decodeInBrowser, setTimeout: (callback, ms) => window.setTimeout(callback, ms) };

@@ -79,7 +79,7 @@ export const savedStateText = (state: SceneState): string =>
 const openEnds = (key: string, value: unknown): unknown =>
   key !== 'lower' && key !== 'upper' ? value : value === 'inf' ? Infinity : value === '-inf' ? -Infinity : value;
 
-/** A state out of storage, or null where it is not one: what was stored is not trusted. */
+/** A state out of storage, or null if it is not one: what was stored is not trusted. */
 export function parseSavedState(text: string | null): SceneState | null {
   if (!text) return null;
   try {

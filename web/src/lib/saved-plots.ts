@@ -14,7 +14,7 @@ export interface SavedPlots {
 
 export const plotsText = (plots: SavedPlots): string => (plots.curve || plots.layers.length > 0 ? JSON.stringify(plots) : '');
 
-/** Null where it is no such text: what was stored is not trusted. */
+/** Null if it is not such a text: what was stored is not trusted. */
 export function parsePlots(text: string | null): SavedPlots | null {
   if (!text) return null;
   const isPlace = (of: unknown): of is Vec3 => Array.isArray(of) && of.length === 3 && of.every(Number.isFinite);

@@ -28,7 +28,7 @@ export function stepsText({ undo, redo }: SavedSteps): string {
   return '';
 }
 
-/** Null where it is no such text: what was stored is not trusted. */
+/** Null if it is not such a text: what was stored is not trusted. */
 export function parseSteps(text: string | null): SavedSteps | null {
   if (!text) return null;
   const maps = (of: Record<string, unknown>, ...names: string[]) => names.every((name) => of[name] instanceof Map);

@@ -21,7 +21,7 @@ interface Wish {
   given: AbortController | null; // once it is asked for
 }
 
-/** What the picture is of; empty where none is asked for. Steps that follow make no other one. */
+/** What the picture is of; empty if none is asked for. Steps that follow make no other one. */
 export function thumbnailKey(entry: DatasetEntry): string {
   if (entry.writing || entry.news === 'gone') return '';
   return `${entry.id} ${entry.news === 'grown' ? '' : entry.changedMs}`;

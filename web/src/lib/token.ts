@@ -8,7 +8,7 @@ export interface TokenDoors {
   replaceUrl(url: string): void;
 }
 
-/** The token of this tab, empty where there is none. A token in the address replaces a stored one and leaves the address bar. */
+/** The token of this tab, empty if there is none. A token in the address replaces a stored one and leaves the address bar. */
 export function takeToken(doors: TokenDoors): string {
   const url = new URL(doors.location.href);
   const given = url.searchParams.get('token');

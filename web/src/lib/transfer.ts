@@ -100,7 +100,7 @@ export function addBeside(points: readonly TransferPoint[], index: number): { po
   return a && b && a.value < b.value ? addPoint(points, mix(a.value, b.value, 0.5)) : null;
 }
 
-/** Null where nothing would be left: two points of different values. */
+/** Null if nothing would be left: two points of different values. */
 export function removePoint(points: readonly TransferPoint[], index: number): TransferPoint[] | null {
   const left = points.filter((_, i) => i !== index);
   const [first, last] = [left[0], left[left.length - 1]];
