@@ -66,6 +66,26 @@ describe('values as curves', () => {
     expect(viewer.problems).toEqual([]);
   });
 
+  test('on a small screen the picture keeps half of the height beside a plot and its ends, and nothing is wider than the window', async () => {
+    viewer = await stage.open({ width: 1280, height: 720 });
+    await viewer.until('layers', (state) => state.intervals.length > 0);
+    const there = nearest(await viewer.exactPicture(), true);
+    await viewer.page.getByRole('button', { name: 'Line', exact: true }).click();
+    for (const dx of [0, 12]) await viewport().click({ position: { x: there.x + dx, y: there.y } });
+    await dock().getByRole('button', { name: 'Ends' }).click();
+    await expect.poll(() => dock().getByRole('textbox').count()).toBe(6);
+    for (const [width, height] of [[1280, 720], [375, 812]] as const) {
+      await viewer.page.setViewportSize({ width, height });
+      await expect.poll(async () => ((await viewport().boundingBox())!.height) / height).toBeGreaterThan(0.5);
+      const right = await dock().getByRole('button').evaluateAll((all) => all.map((of) => of.getBoundingClientRect().right));
+      expect(Math.max(...right)).toBeLessThanOrEqual(width);
+      // The plot comes before what lies below the window.
+      const [curve, histogram] = await Promise.all([dock().boundingBox(), viewer.page.getByRole('region', { name: 'distance' }).boundingBox()]);
+      expect(curve!.y).toBeLessThanOrEqual(histogram!.y);
+    }
+    expect(viewer.problems).toEqual([]);
+  });
+
   test('a place is followed over the steps, and a click goes to one', async () => {
     viewer = await stage.open();
     await viewer.until('layers', (state) => state.intervals.length > 0);
