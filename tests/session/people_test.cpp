@@ -241,6 +241,27 @@ TEST_F(People, ADatasetThatAnotherOneOvertookEndsOnNobodysWord) {
   EXPECT_TRUE(done.superseded());
 }
 
+TEST_F(People, ProgressSaysWhatIsMissingUntilItIsDone) {
+  const auto purpose = [&](SessionKey session, RequestId works_for) {
+    s_.sessions->on_event(OperationProgress{session, 9, "working", 0.5, works_for}, s_.now);
+    return owner_->outbox.newest([](const auto& m) { return m.has_progress(); }).progress().purpose();
+  };
+  s_.take<OpenRequest>();
+  v1::ClientMessage open, probe;
+  open.mutable_open_dataset()->set_id("other");
+  probe.mutable_probe_point();
+  s_.say(*owner_, probe);
+  s_.say(*owner_, open);
+  const auto probed = s_.take<ProbeRequest>();
+  const auto opened = s_.take<OpenRequest>();
+  ASSERT_EQ(probed.size(), 1u);
+  ASSERT_EQ(opened.size(), 1u);
+  const SessionKey session = opened[0].session;
+  EXPECT_EQ(purpose(session, 0), v1::PURPOSE_PICTURE);
+  EXPECT_EQ(purpose(session, opened[0].request), v1::PURPOSE_DATASET);
+  EXPECT_EQ(purpose(session, probed[0].request), v1::PURPOSE_UNSPECIFIED);
+}
+
 TEST(SessionLimits, WhoMayOnlyLookHasStillsOfTheSizeThatTheOwnerAllows) {
   SessionsOptions options;
   options.max_viewer_pixels = 640 * 360;

@@ -52,7 +52,7 @@ TEST_F(RangesInASession, AreToldAgainAndLayersThatNobodyTouchedFollow) {
   EXPECT_EQ(client->outbox.state().intervals_size(), 0);
   const OpenRequest request = asked_for_all();
   sessions->on_event(OperationProgress{request.session, 7, "reading", 0.5, request.request}, now);
-  EXPECT_TRUE(client->outbox.newest([](const auto& m) { return m.has_progress(); }).progress().background());
+  EXPECT_TRUE(client->outbox.newest([](const auto& m) { return m.has_progress(); }).progress().purpose() == v1::PURPOSE_RANGES);
 
   sessions->on_event(DatasetReady{request.session, request.request, mug(true)}, now);
   EXPECT_EQ(told(*client).missing_range_steps(), 0);

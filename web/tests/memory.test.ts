@@ -23,7 +23,7 @@ const info = (id: string, ...names: string[]): DatasetInfo => ({
   cells: 1,
   cellTypes: [],
   bounds: null,
-  arrays: names.map((name) => ({ name, association: 'point', type: 'float32', components: 1, lower: 0, upper: 1, nanCount: 0, steps: [] })),
+  arrays: names.map((name) => ({ name, association: 'point', type: 'float32', components: 1, unit: '', lower: 0, upper: 1, nanCount: 0, steps: [] })),
   times: [0, 1, 2],
   missingRangeSteps: 0,
   nothingToShow: '',

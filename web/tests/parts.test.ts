@@ -5,7 +5,7 @@ import { FileList } from '../src/lib/file-list.svelte';
 import { begun, continued } from '../src/lib/frame-view.svelte';
 import { Hand } from '../src/lib/hand.svelte';
 import type { SceneState } from '../src/lib/model';
-import type { DatasetEntry, DatasetInfo, Frame, Participant } from '../src/lib/told';
+import type { DatasetEntry, DatasetInfo, Frame, Participant, Purpose } from '../src/lib/told';
 import { emptyState } from '../src/lib/model';
 import { OpenDataset } from '../src/lib/open-dataset.svelte';
 import { People } from '../src/lib/people.svelte';
@@ -207,10 +207,11 @@ describe('people', () => {
 });
 
 test('of work that ends, a cancellation is told if somebody asked for it or nothing newer overtook it', () => {
-  const ends = (background: boolean, asked: boolean, cancelled: boolean, superseded: boolean) => {
+  const purposes = ['answer', 'picture', 'dataset', 'ranges'] as const;
+  const ends = (purpose: Purpose, asked: boolean, cancelled: boolean, superseded: boolean) => {
     const work = new Work(() => {});
-    work.told({ operation: 4n, stage: 'reading', fraction: 0.5, background });
-    work.told({ operation: 5n, stage: 'drawing', fraction: 0.1, background: false });
+    work.told({ operation: 4n, stage: 'reading', fraction: 0.5, purpose });
+    work.told({ operation: 5n, stage: 'drawing', fraction: 0.1, purpose: 'picture' });
     if (asked) work.cancel(4n);
     const left = work.done({ operation: 4n, cancelled, superseded });
     expect(work.list.map(({ operation }) => operation)).toEqual([5n]);
@@ -218,9 +219,10 @@ test('of work that ends, a cancellation is told if somebody asked for it or noth
   };
   for (const superseded of [false, true]) {
     for (const asked of [false, true]) {
-      for (const background of [false, true]) expect(ends(background, asked, false, superseded)).toBeNull();
-      expect(ends(true, asked, true, superseded)).toBe(asked ? 'ranges' : null);
-      expect(ends(false, asked, true, superseded)).toBe(asked || !superseded ? 'picture' : null);
+      for (const purpose of purposes) {
+        expect(ends(purpose, asked, false, superseded)).toBeNull();
+        expect(ends(purpose, asked, true, superseded)).toBe(asked || (!superseded && purpose !== 'ranges') ? purpose : null);
+      }
     }
   }
 });

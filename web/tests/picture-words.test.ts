@@ -25,7 +25,7 @@ const info: DatasetInfo = {
   cells: 12,
   cellTypes: [],
   bounds: null,
-  arrays: [{ name: 'p', association: 'point', type: 'float32', components: 1, nanCount: 0, lower: 0, upper: 9, steps: [] }],
+  arrays: [{ name: 'p', association: 'point', type: 'float32', components: 1, unit: '', nanCount: 0, lower: 0, upper: 9, steps: [] }],
   times: [0],
   missingRangeSteps: 0,
   nothingToShow: '',

@@ -199,7 +199,11 @@ describe('the store', () => {
     expect(session.scene.view.dataset).toBe('fin');
     expect(session.notices.list).toMatchObject([{ place: 'dataset', text: 'big: truncated' }]);
     session.edits.openDataset('big');
+    says({ case: 'progress', value: { operation: 1n, purpose: 1 } });
     says({ case: 'done', value: { operation: 1n, cancelled: true } });
+    expect(session.scene.view.dataset).toBe('big'); // it was the picture of the old one
+    says({ case: 'progress', value: { operation: 2n, purpose: 2 } });
+    says({ case: 'done', value: { operation: 2n, cancelled: true } });
     expect(session.scene.view.dataset).toBe('fin');
   });
 
@@ -243,7 +247,7 @@ describe('the store', () => {
     says(welcome('s'));
     says({ case: 'progress', value: { operation: 4n, stage: 'reading', fraction: 0.2 } });
     says({ case: 'progress', value: { operation: 4n, stage: 'reading', fraction: 0.6 } });
-    expect(session.work.list).toEqual([{ operation: 4n, stage: 'reading', fraction: 0.6, background: false }]);
+    expect(session.work.list).toEqual([{ operation: 4n, stage: 'reading', fraction: 0.6, purpose: 'answer' }]);
     session.work.cancel(4n);
     expect(find('cancel')?.body.value.operation).toBe(4n);
     says({ case: 'done', value: { operation: 4n, cancelled: true } });
@@ -372,7 +376,7 @@ describe('the store', () => {
     expect(session.notices.list).toMatchObject([{ place: 'histogram', text: "array 'p' is not in it" }]);
   });
 
-  test('a curve that is cancelled says so itself; of the picture, which has not changed, nothing is said', () => {
+  test('of what is cancelled the page says what ended: a curve in its place, the picture, a dataset, whatever else is asked', () => {
     const { session, says, find } = harness();
     says(welcome('s'));
     says({ case: 'frame', value: { revision: 1n, phase: 2, format: 'png', facts: { tetrahedra: 9n } } });
@@ -386,15 +390,32 @@ describe('the store', () => {
     expect(told()).toEqual([]);
     expect(session.curves.answer).toBe('Cancelled.');
 
-    says({ case: 'state', value: state(2) }); // the picture is of revision 1
-    says({ case: 'done', value: { operation: 5n, cancelled: true } });
-    expect(told()).toEqual(['Cancelled. The picture shows the last finished state.']);
+    const picture = ['Cancelled. The picture shows the last finished state.'];
+    for (const purpose of [1, 2]) {
+      session.curves.again(); // and is still asked for while the other is cancelled
+      says({ case: 'progress', value: { operation: 5n, purpose } });
+      session.work.cancel(5n);
+      says({ case: 'done', value: { operation: 5n, cancelled: true } });
+      expect(told()).toEqual(picture);
+      session.notices.dismiss(session.notices.list[0]!.id);
+      expect(session.curves.waits).toBe(true);
+    }
+  });
+
+  test('a histogram that is cancelled says so in its place', () => {
+    const { session, says, find } = harness();
+    says(welcome('s'));
+    says({ case: 'progress', value: { operation: 4n } });
+    session.work.cancel(4n);
+    says({ case: 'error', value: { inReplyTo: BigInt(find('requestHistogram')!.seq), code: 'cancelled', message: 'cancelled' } });
+    says({ case: 'done', value: { operation: 4n, cancelled: true } });
+    expect(session.notices.list).toMatchObject([{ place: 'histogram', text: 'Cancelled.' }]);
   });
 
   test('a reading in the background that is cancelled leaves the picture as it is', () => {
     const { session, says } = harness();
     says(welcome('s'));
-    says({ case: 'progress', value: { operation: 4n, stage: 'reading', fraction: 0.2, background: true } });
+    says({ case: 'progress', value: { operation: 4n, stage: 'reading', fraction: 0.2, purpose: 3 } });
     session.work.cancel(4n);
     says({ case: 'done', value: { operation: 4n, cancelled: true } });
     expect(session.notices.list.map((notice) => notice.text)).toEqual(['Cancelled. Ranges are those of the steps that were read.']);
@@ -567,6 +588,7 @@ describe('the store', () => {
     const { session, says } = harness();
     says(welcome('s', interval(1, 0, 1)));
     const told = () => session.notices.list.some(({ text }) => text.startsWith('Cancelled'));
+    for (const operation of [3n, 4n, 5n, 6n]) says({ case: 'progress', value: { operation, purpose: 1 } });
     says({ case: 'done', value: { operation: 3n, cancelled: true, superseded: true } });
     expect(told()).toBe(false);
     session.edits.openDataset('big');

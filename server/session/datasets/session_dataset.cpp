@@ -38,7 +38,7 @@ void SessionDataset::open(const std::string& id, Asker asker, bool reload, TimeP
   if (opening_) {
     engine_.post(CancelRequest{session_, 0, opening_->request, true});
     engine_.forget(opening_->request);
-    tell_waited(true);
+    tell_waited(false);  // nobody has cancelled it
     const Opening given_up = std::move(*opening_);
     opening_.reset();
     given_up.reply(wire_error("cancelled", "another dataset was asked for"));
@@ -105,6 +105,7 @@ void SessionDataset::wait_for_file(TimePoint now) {
   }
   v1::ServerMessage message;
   message.mutable_progress()->set_operation(opening.waiting_as);
+  message.mutable_progress()->set_purpose(v1::PURPOSE_DATASET);
   const CatalogueEntry* entry = engine_.entry(opening.dataset);
   message.mutable_progress()->set_stage((entry ? entry->name : opening.dataset) + " is being written; it is read once it is complete");
   audience_.tell(message);

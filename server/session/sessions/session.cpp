@@ -269,13 +269,19 @@ RequestId Session::layer_statistics(std::uint32_t interval, const std::string& a
   return engine_.ask(LayerStatisticsRequest{key_, 0, drawn(), interval, array}, std::move(listener));
 }
 
+v1::Purpose Session::purpose_of(RequestId works_for) const {
+  if (works_for == 0) return v1::PURPOSE_PICTURE;
+  if (works_for == opening()) return v1::PURPOSE_DATASET;
+  return works_for == reading_ranges() ? v1::PURPOSE_RANGES : v1::PURPOSE_UNSPECIFIED;
+}
+
 void Session::on_event(const EngineEvent& event, TimePoint now) {
   v1::ServerMessage message;
   if (const auto* progress = std::get_if<OperationProgress>(&event)) {
     message.mutable_progress()->set_operation(progress->operation);
     message.mutable_progress()->set_stage(valid_utf8(progress->stage));
     message.mutable_progress()->set_fraction(progress->fraction);
-    message.mutable_progress()->set_background(reading_ranges() != 0 && progress->works_for == reading_ranges());
+    message.mutable_progress()->set_purpose(purpose_of(progress->works_for));
   } else if (const auto* done = std::get_if<OperationDone>(&event)) {
     message.mutable_done()->set_operation(done->operation);
     message.mutable_done()->set_cancelled(done->cancelled);

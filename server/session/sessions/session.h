@@ -141,6 +141,8 @@ class Session final : private SessionDataset::Audience {
   std::optional<TimePoint> wake_at(TimePoint now) const;
 
  private:
+  /// What viewers miss until work for this request (0: a scene's extraction) is done.
+  v1::Purpose purpose_of(RequestId works_for) const;
   Session(SessionKey key, EngineDoor& engine, SessionKeeper& keeper, std::string id, ResumeTokens resume);
 
   CommandContext context(const Viewer* viewer = nullptr) const { return {dataset_.facts(), viewer ? viewer->frames.aspect() : 1}; }

@@ -138,6 +138,15 @@ TEST_F(DatasetOfASession, AFileThatIsBeingWrittenIsWaitedForAndReadOnceItIsCompl
   EXPECT_EQ(heard(), "show for 1, plume done, ended");
 }
 
+TEST_F(DatasetOfASession, WaitingForAFileEndsOnNobodysWordWhenAnotherDatasetIsAskedFor) {
+  plume().writing = true;
+  open("plume");
+  fail(ErrorCode::bad_data);
+  EXPECT_EQ(heard(), "progress");
+  open("other");
+  EXPECT_EQ(heard(), "done, plume cancelled, ended");
+}
+
 TEST_F(DatasetOfASession, AFileThatWasReadInABadMomentIsTriedAgainForSecondsAndNoLonger) {
   open("plume");
   fail(ErrorCode::unavailable);

@@ -39,11 +39,6 @@ export class Curves {
     private readonly changed: () => void = () => {},
   ) {}
 
-  /** Whether an answer is to come, which says itself if it was cancelled. */
-  get asks(): boolean {
-    return this.#asked.size > 0;
-  }
-
   get open(): OpenCurve | null {
     return this.place && { place: this.place, array: this.array };
   }

@@ -3,6 +3,7 @@ import { create, fromBinary } from '@bufbuild/protobuf';
 import {
   FramePhase as WirePhase,
   ProbeEnd as WireEnd,
+  Purpose as WirePurpose,
   ServerMessageSchema,
   StageTimesSchema,
   type Frame as WireFrame,
@@ -12,7 +13,7 @@ import {
   type Welcome as WireWelcome,
 } from '../gen/isostrata/v1/isostrata_pb';
 import type { Frame, Invitation, ProbedCurve, ProbeResult, ServerEvent, Welcome } from './told';
-import { plain, roles } from './protocol';
+import { names, plain, roles } from './protocol';
 import { datasetInfoOf, entryOf, listOf } from './wire-datasets';
 import { cameraOf, stateOf } from './wire-scene';
 
@@ -49,7 +50,7 @@ export function decodeEvent(bytes: Uint8Array): ServerEvent {
       return { kind: 'layerStatistics', inReplyTo: Number(inReplyTo), statistics };
     }
     case 'progress':
-      return { kind: 'progress', progress: plain(body.value) };
+      return { kind: 'progress', progress: { ...plain(body.value), purpose: purposes.name(body.value.purpose) } };
     case 'done':
       return { kind: 'done', done: body.value };
     case 'error':
@@ -73,6 +74,7 @@ export function decodeEvent(bytes: Uint8Array): ServerEvent {
   }
 }
 
+const purposes = names(WirePurpose, 'answer');
 const invitationOf = (invitation: WireInvitation): Invitation => ({ ...invitation, role: roles.name(invitation.role) });
 
 function welcomeOf({ datasets, state, datasetInfo, role, lastCommand, limits, ...rest }: WireWelcome): Welcome {

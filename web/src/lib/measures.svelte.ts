@@ -29,11 +29,6 @@ export class Measures {
     private readonly changed: () => void = () => {},
   ) {}
 
-  /** Whether an answer is to come, which says itself if it was cancelled. */
-  get asks(): boolean {
-    return this.#asked.size > 0;
-  }
-
   get open(): [id: number, array: string][] {
     return [...this.list].map(([id, { array }]) => [id, array]);
   }

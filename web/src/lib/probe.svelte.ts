@@ -22,11 +22,6 @@ export class Probe {
 
   constructor(private readonly sendInOrder: (body: Command) => number) {}
 
-  /** Whether an answer is to come, which says itself if it was cancelled. */
-  get asks(): boolean {
-    return this.#asked.size > 0;
-  }
-
   /** camera: as the person sees the picture now. */
   ask(x: number, y: number, camera: Camera | null): void {
     this.#camera = camera;

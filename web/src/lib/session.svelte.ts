@@ -203,15 +203,15 @@ export class Session {
       case 'progress':
         return this.work.told(event.progress);
       case 'done': {
-        const left = this.work.done(event.done);
-        if (left === 'ranges') this.notices.say('Cancelled. Ranges are those of the steps that were read.', 'note');
-        if (left !== 'picture') return;
-        const waited = this.scene.view.dataset !== this.scene.server.dataset;
-        this.scene.edit((mine) => mine.forget('dataset'));
-        this.#recovery.giveUp();
-        this.history.stayed();
-        if (!waited && (this.curves.asks || this.measures.asks || this.probe.asks)) return; // they say so themselves
-        return this.notices.say('Cancelled. The picture shows the last finished state.', 'note');
+        const cancelled = this.work.done(event.done);
+        if (cancelled === 'dataset') {
+          this.scene.edit((mine) => mine.forget('dataset'));
+          this.#recovery.giveUp();
+          this.history.stayed();
+        }
+        if (cancelled === 'ranges') this.notices.say('Cancelled. Ranges are those of the steps that were read.', 'note');
+        else if (cancelled && cancelled !== 'answer') this.notices.say('Cancelled. The picture shows the last finished state.', 'note');
+        return;
       }
       case 'error':
         return this.#onError(event.error);
@@ -327,8 +327,8 @@ export class Session {
     if (inReplyTo) this.scene.edit((mine) => mine.refuse(about.interval ?? undefined));
     else this.scene.waking = false; // its dataset may have failed to open
     if (inReplyTo) this.history.told(inReplyTo);
-    // Of what was cancelled, Done speaks.
-    if (code !== 'cancelled') this.notices.add({ text: message || code, ...about, field, tone: 'error' });
+    // Of a picture and a dataset that were cancelled, Done speaks.
+    if (code !== 'cancelled' || about.place === 'histogram') this.notices.add({ text: why, ...about, field, tone: 'error' });
     if (about.place === 'dataset') this.views.failed();
   }
 

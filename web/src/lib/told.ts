@@ -7,6 +7,7 @@ export interface ArrayInfo extends Range {
   type: string;
   components: number;
   nanCount: number;
+  unit: string; // as the file says it; may be empty
   cells?: Range | null; // of an array that is averaged from cells: their own range
   steps: Range[]; // at each step; lower > upper: no value, or not read yet. Of a long series the first alone. The range itself is over all that are known
 }
@@ -243,11 +244,14 @@ export interface FormatForecast {
   ms: number;
 }
 
+/** What is missing until work is done: an answer to one client, who is told itself; what all see; ranges of all steps, for which nobody waits. */
+export type Purpose = 'answer' | 'picture' | 'dataset' | 'ranges';
+
 export interface Progress {
   operation: bigint;
   stage: string;
   fraction: number;
-  background: boolean; // no picture waits for it
+  purpose: Purpose;
 }
 
 export interface Done {

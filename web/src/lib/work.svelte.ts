@@ -1,9 +1,6 @@
 // What the server is working on, and which of it the person has cancelled.
 import { command, type Command } from './commands';
-import type { Done, Progress } from './told';
-
-/** What a cancellation leaves that the person is to be told of: the last finished picture, or the ranges of the steps that were read. */
-export type Left = 'picture' | 'ranges' | null;
+import type { Done, Progress, Purpose } from './told';
 
 export class Work {
   list = $state.raw<Progress[]>([]);
@@ -19,14 +16,14 @@ export class Work {
   told(progress: Progress): void {
     this.list = [...this.#others(progress.operation), progress];
   }
-  done({ operation, cancelled, superseded }: Done): Left {
-    const background = this.list.some((p) => p.operation === operation && p.background);
+  /** What the work was for, if it was cancelled and the person is to be told. */
+  done({ operation, cancelled, superseded }: Done): Purpose | null {
+    const purpose = this.list.find((p) => p.operation === operation)?.purpose;
     this.list = this.#others(operation);
     const asked = this.#cancelled.delete(operation);
-    if (!cancelled) return null;
-    if (background) return asked ? 'ranges' : null;
-    // What a newer choice has overtaken is nothing to tell: the newer one is being worked on.
-    return asked || !superseded ? 'picture' : null;
+    if (!cancelled || !purpose) return null;
+    // What a newer choice has overtaken is nothing to tell: the newer one is being worked on. Nor are ranges that somebody else has cancelled.
+    return asked || (!superseded && purpose !== 'ranges') ? purpose : null;
   }
   lost(): void {
     this.list = [];
