@@ -8,6 +8,7 @@
 #include <string>
 
 #include "base/utf8.h"
+#include "data/array_units.h"
 #include "data/list_folder.h"
 #include "data/recognise.h"
 #include "data/series_ranges.h"
@@ -79,6 +80,7 @@ json::object describe(const Dataset& dataset, const SeriesRanges& ranges, const 
                                   {"type", to_string(array.type)},
                                   {"components", array.components},
                                   {"component", array.component},
+                                  {"unit", unit_of(dataset.notes, array.name)},
                                   {"range", range_json(of_steps.all)},
                                   {"step_range", range_json({array.lower, array.upper})},
                                   {"step_ranges", std::move(step_ranges)},

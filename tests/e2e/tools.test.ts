@@ -6,7 +6,7 @@ import type { Browser } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, test } from 'vitest';
 import { netcdf } from './netcdf';
 import { repository, Server } from './server';
-import { launch, Viewer } from './viewer';
+import { launch, nearest, Viewer } from './viewer';
 
 let server: Server;
 let browser: Browser;
@@ -17,7 +17,7 @@ const days = join(repository, 'build', 'e2e', 'days.nc');
 beforeAll(async () => {
   mkdirSync(join(repository, 'build', 'e2e'), { recursive: true });
   const time = { name: 'time', dimensions: ['time'], attributes: { units: 'days since 2000-01-01', calendar: 'noleap' }, values: [0, 59, 365] };
-  const wave = { name: 'wave', dimensions: ['time', 'z', 'y', 'x'], values: Array.from({ length: 3 * 216 }, (_, i) => Math.sin(i * 0.1)) };
+  const wave = { name: 'wave', dimensions: ['time', 'z', 'y', 'x'], attributes: { units: 'm s-1' }, values: Array.from({ length: 3 * 216 }, (_, i) => Math.sin(i * 0.1)) };
   writeFileSync(days, netcdf({ time: 3, z: 6, y: 6, x: 6 }, [time, wave]));
   server = await Server.start({ data: ['cylinder:16x24x4x5', 'torus:32', days] });
   browser = await launch();
@@ -111,6 +111,26 @@ describe('the page’s tools', () => {
       expect(await slider.getAttribute('aria-valuetext')).toContain(date);
     }
     await viewer.photograph('dates.png');
+  });
+
+  test('a value has its unit wherever it is read', async () => {
+    await open(/days/);
+    const { page } = viewer;
+    expect(await page.getByLabel('Layers of').locator('option').allInnerTexts()).toEqual([expect.stringContaining('wave (m s-1)')]);
+    await expect.poll(() => page.getByRole('region', { name: 'wave' }).innerText()).toMatch(/… [\d.]+ m s-1/);
+    const viewport = page.getByRole('application');
+    await viewport.click({ position: nearest(await viewer.exactPicture(), true) });
+    const card = page.getByRole('region', { name: 'Values at this place' });
+    await expect.poll(() => card.locator('.value').innerText()).toMatch(/wave\s+-?[\d.]+ m s-1/);
+    await card.getByRole('button', { name: 'Over time' }).click();
+    await expect.poll(() => page.getByRole('region', { name: 'Values over time' }).getByRole('slider').count()).toBe(1);
+    await page.keyboard.press('Tab');
+    await page.getByRole('slider', { name: /^wave over time/ }).press('ArrowRight');
+    expect(await page.getByRole('slider', { name: /^wave over time/ }).getAttribute('aria-valuetext')).toMatch(/: -?[\d.]+ m s-1$/);
+    await page.getByRole('button', { name: /: statistics$/ }).first().click();
+    await expect.poll(() => page.getByRole('region', { name: /: statistics$/ }).innerText()).toMatch(/Mean\s+-?[\d.]+ m s-1/);
+    await viewer.photograph('units.png');
+    expect(viewer.problems).toEqual([]);
   });
 
   test('with a cut the numbers of a layer are said to be of all of it', async () => {

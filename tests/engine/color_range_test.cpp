@@ -8,6 +8,7 @@
 #include <random>
 
 #include "data/analytic.h"
+#include "data/array_units.h"
 #include "engine/picture/draw_input.h"
 #include "engine/picture/extract_scene.h"
 #include "engine/picture/scene_legend.h"
@@ -222,7 +223,9 @@ TEST(ColorRange, AFixedRangeIsTheSameAtEveryStepAndTheStepsOwnIsNot) {
 }
 
 TEST(ColorRange, TheLegendShowsTheMapItselfOverTheWholeRange) {
-  const auto dataset = decades();
+  auto noted = std::make_shared<Dataset>(*decades());
+  note_unit(noted->notes, "power", "mW");
+  const std::shared_ptr<const Dataset> dataset = noted;
   Scene scene = layer(*dataset);
   scene.annotations.legend = true;
   const Scene drawn = drawn_scene(scene);
@@ -237,7 +240,7 @@ TEST(ColorRange, TheLegendShowsTheMapItselfOverTheWholeRange) {
   std::vector<std::string> words;
   for (const Shape& shape : annotate(shown).over)
     if (const auto* text = std::get_if<Text>(&shape)) words.push_back(text->text);
-  for (const char* word : {"0.1", "1", "10", "power (log)"})
+  for (const char* word : {"0.1", "1", "10", "power (mW)", "power (mW) (log)"})
     EXPECT_TRUE(std::find(words.begin(), words.end(), word) != words.end()) << word;
 }
 

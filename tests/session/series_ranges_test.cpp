@@ -1,6 +1,7 @@
 // A series' ranges as a session learns them: what is known at once, the rest when all steps have been read.
 #include <gtest/gtest.h>
 
+#include "data/array_units.h"
 #include "session/fake_engine.h"
 
 namespace isostrata {
@@ -14,6 +15,7 @@ class RangesInASession : public ::testing::Test, protected SessionsOnAClock {
     facts.arrays.front().lower = facts.arrays.front().upper = 0;
     facts.arrays.front().steps = {{0, 0}, {}, {}};
     facts.missing_steps = 2;
+    note_unit(facts.notes, "temperature", "K");
     facts.first_view = {};
     if (!all) return facts;
     facts.arrays.front().upper = 80;
@@ -49,6 +51,7 @@ class RangesInASession : public ::testing::Test, protected SessionsOnAClock {
 TEST_F(RangesInASession, AreToldAgainAndLayersThatNobodyTouchedFollow) {
   const auto client = viewer_of(mug(false));
   EXPECT_EQ(told(*client).missing_range_steps(), 2);
+  EXPECT_EQ(told(*client).arrays(0).unit(), "K");
   EXPECT_EQ(client->outbox.state().intervals_size(), 0);
   const OpenRequest request = asked_for_all();
   sessions->on_event(OperationProgress{request.session, 7, "reading", 0.5, request.request}, now);

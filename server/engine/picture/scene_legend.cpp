@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "data/array_units.h"
 #include "engine/picture/scene_styles.h"
 #include "scene/color_range.h"
 
@@ -56,8 +57,9 @@ AnnotationInput annotation_input(const ExtractedScene& extracted, const Scene& s
   out.height = input.height;
   out.background = input.background;
   out.transparent = input.transparent;
-  out.array = extracted.array;
-  out.color_by = extracted.color_by;
+  const auto named = [&](const std::string& array) { return extracted.steps.empty() ? array : name_with_unit(extracted.steps.front()->notes, array); };
+  out.array = named(extracted.array);
+  out.color_by = named(extracted.color_by);
   std::vector<LegendEntry> parts_of_last;
   const auto end_last = [&] {
     if (!parts_of_last.empty())

@@ -7,6 +7,7 @@
 #include <type_traits>
 #include <utility>
 
+#include "data/array_units.h"
 #include "import/bytes/swap_bytes.h"
 #include "import/images/fits_header.h"
 #include "import/images/fits_tiles.h"
@@ -177,7 +178,6 @@ Imported read_fits(const ReadRequest& request) {
   check_bytes(request, static_cast<std::uint64_t>(checked_product({points, axes.stokes.size, static_cast<std::int64_t>(size_of(of.type))}, name)), name);
   Block& block = imported.blocks.emplace_back();
   place(block, header, axes, name, imported.notes);
-  if (const std::string unit = header.text("BUNIT"); !unit.empty()) imported.notes.push_back("unit of the values: " + unit);
   const FitsData data = tiles ? unpack_fits_tiles(file.bytes(), found, header, request) : FitsData{file.bytes().subspan(header.data(), header.data_bytes()), nullptr};
   const std::size_t width = size_of(of.stored), length = static_cast<std::size_t>(axes.space[0].size);
   const auto step = static_cast<std::size_t>(std::max<std::int64_t>(axes.space[0].step, 1));
@@ -198,6 +198,7 @@ Imported read_fits(const ReadRequest& request) {
       }
     FileArray& array = block.arrays.emplace_back();
     array.name = array_name(header, axes, s);
+    note_unit(imported.notes, array.name, header.text("BUNIT"));
     array.type = of.type;
     std::tie(array.values, array.storage) = out.finish();
   }

@@ -24,6 +24,7 @@
 #include <variant>
 #include <vector>
 
+#include "data/array_units.h"
 #include "import/bytes/mapped_file.h"
 #include "import/imported/read_own.h"
 #include "import/imported/vtk_messages.h"
@@ -278,9 +279,7 @@ Imported read_netcdf(const ReadRequest& request) {
   if (!steps.sorted) imported.notes.push_back(kTimesWereSorted);
   if (!steps.units.empty()) imported.notes.push_back("times are in " + steps.units);
   for (Block& block : imported.blocks)
-    for (const FileArray& array : block.arrays)
-      if (const std::string units = reader->QueryArrayUnits(array.name.c_str()); !units.empty())
-        imported.notes.push_back("unit of '" + array.name + "': " + units);
+    for (const FileArray& array : block.arrays) note_unit(imported.notes, array.name, reader->QueryArrayUnits(array.name.c_str()));
   return imported;
 }
 

@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "data/array_units.h"
 #include "import/imported/read_own.h"
 #include "import/netcdf/cf_axes.h"
 #include "import/netcdf/netcdf_axes.h"
@@ -87,7 +88,7 @@ void add_arrays(const std::vector<Placed>& variables, const NetcdfSteps& steps, 
     for (const int dimension : of.over.space) points *= of.of.group.length(dimension);
     check_bytes(request, bytes += points * size_of(*of.of.type()), name);
     block.arrays.push_back(array_of(of, steps, request.step));
-    if (const std::string units = of.of.text("units"); !units.empty()) imported.notes.push_back("unit of '" + block.arrays.back().name + "': " + units);
+    note_unit(imported.notes, block.arrays.back().name, of.of.text("units"));
     request.progress(static_cast<double>(block.arrays.size()) / static_cast<double>(variables.size()));
   }
 }

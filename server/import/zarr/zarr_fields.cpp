@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "data/array_units.h"
 #include "import/netcdf/cf_axes.h"
 #include "import/netcdf/cf_curved.h"
 #include "import/zarr/zarr_array.h"
@@ -55,7 +56,7 @@ class Fields : private CfVariables {
       const ZarrCount one = add(*of[f], fields[f], from, order, block);
       count.chunks += one.chunks;
       count.missing += one.missing;
-      if (const std::string units = text_in(of[f]->array.attributes, "units"); !units.empty()) imported.notes.push_back("unit of '" + of[f]->name + "': " + units);
+      note_unit(imported.notes, of[f]->name, text_in(of[f]->array.attributes, "units"));
     }
     note_missing(count, imported.notes);
     if (const std::size_t others = of.size() - best.size(); others > 0) imported.notes.push_back(std::to_string(others) + " variables over other axes skipped");

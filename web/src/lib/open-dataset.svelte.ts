@@ -28,6 +28,11 @@ export class OpenDataset {
     if (!resumed) this.histogram = null;
     this.info = info ?? (resumed && this.info?.id === dataset ? this.info : null);
   }
+  /** To be written after a value of the array: " K", or nothing. */
+  unit(array: string): string {
+    const unit = this.info?.arrays.find((of) => of.name === array)?.unit;
+    return unit ? ` ${unit}` : '';
+  }
   /** How many time steps have come since it was described last. */
   told(info: DatasetInfo): number {
     const before = this.info;
