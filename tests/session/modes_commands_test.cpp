@@ -188,6 +188,18 @@ TEST_F(ModesCommands, AWholeStateComesBackAsItWas) {
   EXPECT_EQ(kept.scene.intervals, state_.scene.intervals);
 }
 
+TEST_F(ModesCommands, ASmearEndsWithADatasetOfOneStepAndOtherModesStay) {
+  for (const char* mode : {"SMEAR", "PRIORITIZED"})
+    for (const std::vector<double>& times : {std::vector<double>{0, 1}, std::vector<double>{0}}) {
+      ASSERT_FALSE(apply(std::string(R"({"setAppearance":{"mode":"RENDER_MODE_)") + mode + R"("}})").error);
+      const SceneMode chosen = state_.scene.mode;
+      DatasetFacts other = facts_;
+      other.times = times;
+      open_in_scene(state_, other);
+      EXPECT_EQ(state_.scene.mode, chosen == SceneMode::smear && times.size() < 2 ? SceneMode::sorted : chosen) << mode << times.size();
+    }
+}
+
 TEST_F(ModesCommands, ACycleGoesRoundTheVisibleIntervals) {
   EXPECT_FALSE(advance_cycle(state_, 1)) << "another mode";
   ASSERT_FALSE(apply(R"({"setAppearance":{"mode":"RENDER_MODE_CYCLED"}})").error);

@@ -222,6 +222,7 @@ void open_in_scene(SceneState& state, const DatasetFacts& dataset, double aspect
   scene.texture.clear();
   scene.smear.steps.clear();
   scene.smear.times.clear();
+  if (scene.mode == SceneMode::smear && dataset.times.size() < 2) scene.mode = SceneMode::sorted;  // there is nothing to lay over one another
   scene.cycle.phase = 0;
   scene.array.clear();
   scene.values = FieldValues::interpolated;

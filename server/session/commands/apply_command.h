@@ -53,7 +53,7 @@ bool advance_cycle(SceneState& state, std::int64_t steps);
 Camera opening_camera(const DatasetFacts& dataset, double aspect);
 
 /// A first look at a dataset that was just opened: its first_view from its opening_camera; if it has none, its first array without
-/// layers. Appearance stays as it is.
+/// layers. Appearance stays as it is, but for a smear of a dataset of one step.
 void open_in_scene(SceneState& state, const DatasetFacts& dataset, double aspect = 1);
 /// The array and the layers of a first look at the dataset, in place of those that are there; they keep their ids. False where
 /// they are the same.
