@@ -284,6 +284,7 @@ void FolderLister::forget(const fs::path& folder) {
 }
 
 void FolderLister::look(const fs::path& folder, int depth) {
+  if (is_part_of_case(folder)) return look(folder.parent_path(), depth - 1);  // a new time, perhaps
   const auto known = folders_.find(folder);
   const std::int64_t before = known == folders_.end() ? 0 : count_of(known->second);
   std::optional<FolderContents> contents = look_at_folder(folder, root_, kMostListed - seen_ + before, known == folders_.end() ? nullptr : &known->second);
@@ -295,11 +296,18 @@ void FolderLister::look(const fs::path& folder, int depth) {
   for (const std::string& inner : gone_before)
     if (!std::binary_search(now.folders.begin(), now.folders.end(), inner)) forget(folder / inner);
   for (const std::string& inner : std::vector<std::string>(now.folders)) {
-    if (depth + 1 > kMaxDepth)
+    if (now.dataset == FileKind::openfoam) {
+      if (folders_.try_emplace(folder / inner).second) renewed_.insert(folder / inner);  // nothing is listed of it, but its times are followed
+    } else if (depth + 1 > kMaxDepth)
       cut_off_ = true;
     else if (everything_ || !folders_.contains(folder / inner))
       look(folder / inner, depth + 1);
   }
+}
+
+bool FolderLister::is_part_of_case(const fs::path& folder) const {
+  const auto around = folders_.find(folder.parent_path());
+  return folder != root_ && around != folders_.end() && around->second.dataset == FileKind::openfoam;
 }
 
 /// A file that another one names is that one's, wherever it lies below the folder.

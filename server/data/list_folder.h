@@ -82,6 +82,7 @@ class FolderLister {
 
  private:
   void look(const std::filesystem::path& folder, int depth);
+  bool is_part_of_case(const std::filesystem::path& folder) const;
   void forget(const std::filesystem::path& folder);
   void refer(const std::filesystem::path& folder, const std::string& name, std::set<std::string>& pieces) const;
 

@@ -5,12 +5,13 @@
 #include <sys/stat.h>
 
 #include <algorithm>
-#include <charconv>
 #include <memory>
+#include <set>
 #include <string_view>
 
 #include "base/error.h"
 #include "data/file_series.h"
+#include "data/openfoam_case.h"
 #include "data/picture_size.h"
 #include "data/plotfile_folder.h"
 #include "data/referred_names.h"
@@ -75,19 +76,21 @@ void look_inside(const fs::path& path, LookedAt& file) {
 
 using Directory = std::unique_ptr<DIR, int (*)(DIR*)>;
 
-/// The folders of an OpenFOAM case that are named by a time.
-void look_at_times(int descriptor, DIR* listed, FolderContents& out) {
-  std::vector<std::pair<double, LookedAt>> times;
-  for (const dirent* it = readdir(listed); it; it = readdir(listed)) {
-    const std::string name = it->d_name;
-    double time = 0;
-    const auto [end, error] = std::from_chars(name.data(), name.data() + name.size(), time);
-    struct stat about {};
-    if (error != std::errc{} || end != name.data() + name.size() || fstatat(descriptor, it->d_name, &about, 0) != 0 || !S_ISDIR(about.st_mode)) continue;
-    times.push_back({time, {.name = name, .stamp = stamp_of(about)}});
+/// The times of an OpenFOAM case; of one that processors have computed, those that the first and the last of their folders have, since a run may be between the two.
+void look_at_times(const fs::path& folder, FolderContents& out) {
+  const std::vector<fs::path> parts = openfoam_parts(folder);
+  const fs::path& first = parts.empty() ? folder : parts.front();
+  const fs::path& last = parts.empty() ? folder : parts.back();
+  const auto at_last = openfoam_times(last);
+  for (const auto& [time, name] : openfoam_times(first)) {
+    const auto stamp = file_stamp(first / name);
+    const auto also = at_last.find(time);
+    if (!stamp || also == at_last.end()) continue;
+    LookedAt& found = out.files.emplace_back(LookedAt{.name = name, .stamp = *stamp});
+    if (const auto other = file_stamp(last / also->second)) found.stamp.changed_ns = std::max(found.stamp.changed_ns, other->changed_ns);
   }
-  std::sort(times.begin(), times.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-  for (auto& [time, of] : times) out.files.push_back(std::move(of));
+  for (const fs::path& part : std::set{first, last})
+    if (part != folder) out.folders.push_back(part.filename().string());
   out.dataset = FileKind::openfoam;
 }
 
@@ -200,7 +203,7 @@ std::optional<FolderContents> look_at_folder(const fs::path& folder, const fs::p
   struct stat about {};
   if (fstat(descriptor, &about) == 0) out.changed_ns = stamp_of(about).changed_ns;
   if (is_openfoam_case(folder)) {
-    look_at_times(descriptor, listed.get(), out);
+    look_at_times(folder, out);
     return out;
   }
   if (is_zarr(folder)) {

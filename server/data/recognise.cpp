@@ -18,6 +18,7 @@
 #include "base/error.h"
 #include "data/file_series.h"
 #include "data/nifti_mark.h"
+#include "data/openfoam_case.h"
 #include "data/plotfile_folder.h"
 #include "data/zarr_folder.h"
 
@@ -198,8 +199,7 @@ bool is_openfoam_case(const fs::path& folder) {
 std::string collated_folder(const fs::path& folder) {
   std::error_code error;
   for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    const std::string name = it->path().filename().string();
-    if (name.starts_with("processors") && name.size() > 10 && std::isdigit(static_cast<unsigned char>(name[10])) && it->is_directory(error)) return name;
+    if (const std::string name = it->path().filename().string(); is_collated_name(name) && it->is_directory(error)) return name;
   }
   return {};
 }

@@ -65,6 +65,9 @@ std::vector<fs::path> zarr_files_above(const fs::path& folder) {
   return {above / ".zattrs", above / "zarr.json"};
 }
 
-int deepest_file(const fs::path& folder) { return is_zarr(folder) ? 16 : 2; }
+int deepest_file(const fs::path& folder) {
+  std::error_code error;
+  return is_zarr(folder) ? 16 : fs::is_regular_file(folder / "system" / "controlDict", error) ? 4 : 2;
+}
 
 }  // namespace isostrata

@@ -21,7 +21,7 @@ bool is_zarr(const std::filesystem::path& folder);
 /// The files outside of the folder that say what a level of an image means, if it may be one: those in the folder above.
 std::vector<std::filesystem::path> zarr_files_above(const std::filesystem::path& folder);
 
-/// How many folders below it the files of a dataset in this folder may lie, as far as anyone looks for changes: Zarr has one for each axis.
+/// How many folders below it the files of a dataset in this folder may lie, as far as anyone looks for changes: Zarr has one for each axis, OpenFOAM processor0/0.5/region/polyMesh.
 int deepest_file(const std::filesystem::path& folder);
 
 }  // namespace isostrata

@@ -255,5 +255,18 @@ TEST(SourceFiles, AreAllThatAReaderMayOpen) {
   EXPECT_EQ(source_files(data / "nothing.vtu"), std::nullopt);
 }
 
+TEST(SourceFiles, OfACaseOfOpenFoamAreThoseOfItsProcessorsRegionsToo) {
+  Scratch data;
+  data.write("case/system/controlDict", "FoamFile {}");
+  data.write("case/processor0/constant/heater/polyMesh/points", "points");
+  data.write("case/processor0/0.5/heater/T", "one");
+  for (const char* name : {"case/processor0/0.5/heater/T", "case/processor0/constant/heater/polyMesh/points"}) {
+    const auto before = source_files(data / "case");
+    ASSERT_TRUE(before);
+    data.write(name, "other values");
+    EXPECT_NE(source_files(data / "case"), before) << name;
+  }
+}
+
 }  // namespace
 }  // namespace isostrata

@@ -210,6 +210,28 @@ TEST_P(LivingFolder, AParaViewCollectionGrowsWithItsList) {
   EXPECT_EQ(wait_for("run.pvd", [](const auto& e) { return e.parts == 1 && !e.writing; }).version, 1u);
 }
 
+TEST_P(LivingFolder, ACaseOfOpenFoamGrowsByTimesThatAllItsProcessorsHave) {
+  const std::map<std::string, std::vector<std::string>> cases{{"alone", {"."}}, {"apart", {"processor0", "processor1"}}, {"collated", {"processors2"}}, {"ranks", {"processors2_0-0", "processors2_1-1"}}};
+  for (const auto& [name, parts] : cases) {
+    folder_.write(name + "/system/controlDict", "FoamFile {}");
+    for (const std::string& part : parts) {
+      folder_.write(name + "/" + part + "/constant/polyMesh/points", "");
+      folder_.write(name + "/" + part + "/0/p", "");
+    }
+  }
+  begin();
+  EXPECT_EQ(newest()->entries().size(), cases.size());
+  for (const auto& [name, parts] : cases) {
+    const CatalogueEntry first = wait_for(name, [](const auto& e) { return !e.writing; });
+    for (const std::string& part : parts) {
+      EXPECT_EQ(named(*newest(), name)->news, first.news) << name << ", " << part;
+      folder_.write(name + "/" + part + "/0.5/p", "");
+    }
+    const CatalogueEntry grown = wait_for(name, [](const auto& e) { return e.news == News::grown && !e.writing; });
+    EXPECT_EQ(version_id(grown), version_id(first)) << name;
+  }
+}
+
 TEST(FolderWatch, WhereTheWatchesAreUsedUpFoldersAreLookedAt) {
   testing::TemporaryFolder folder;
   folder.write("a/x.vtk", "x");

@@ -552,23 +552,63 @@ def collate(folder, groups):
             out.write("no field\n")
 
 
-def openfoam(folder, layers, groups=(), binary=False):
-    """A case of 3 x 2 cells in each layer; of several numbers of layers, one that a processor each has computed, in collated files where there are groups of these."""
-    for i, count in enumerate(layers):
-        openfoam_part(folder if len(layers) == 1 else f"{folder}/processor{i}", (3, 2, count), sum(layers[:i]), binary)
+def openfoam_control(folder):
     os.makedirs(folder + "/system")
     with open(folder + "/system/controlDict", "w") as out:
         out.write("FoamFile\n{\n    version 2.0;\n    format ascii;\n    class dictionary;\n    location \"system\";\n    object controlDict;\n}\n"
                   "application icoFoam;\nstartTime 0;\nendTime 1;\ndeltaT 0.5;\nwriteControl timeStep;\nwriteInterval 1;\n")
     open(folder + "/case.foam", "w").close()
-    collate(folder, groups)
-    nz = sum(layers)
+
+
+def expect_openfoam(folder, nz, moved=lambda time: 0):
     count = 6 * nz
     for name in (folder, folder + "/case.foam"):
         for step, time in enumerate((0, 0.5, 1)):
-            moved = 10 if binary and time == 1 else 0
-            expect(name, "unstructured", 12 * (nz + 1), count, {"p": [100 * time, 100 * time + count - 1, 0]}, [moved, 3 + moved, 0, 4, 0, 3 * nz],
-                   [3 + moved, 4, 3 * nz, "p", 100 * time + count - 1], [0, 0.5, 1], step)
+            by = moved(time)
+            expect(name, "unstructured", 12 * (nz + 1), count, {"p": [100 * time, 100 * time + count - 1, 0]}, [by, 3 + by, 0, 4, 0, 3 * nz],
+                   [3 + by, 4, 3 * nz, "p", 100 * time + count - 1], [0, 0.5, 1], step)
+
+
+def openfoam_regions(folder, part):
+    """A case of two regions, and of the whole that they were cut from, which has values at time 0 alone; in the folder of a part of the case or its own."""
+    to = os.path.join(folder, part)
+    openfoam_part(to, (3, 2, 3))
+    for time in ("0.5", "1"):
+        os.remove(f"{to}/{time}/p")
+    first = 0
+    for region, layers in (("lower", 1), ("upper", 2)):
+        openfoam_part("region", (3, 2, layers), first)
+        for path in ("constant", "0", "0.5", "1"):
+            shutil.move("region/" + path, f"{to}/{path}/{region}")
+        first += layers
+    openfoam_control(folder)
+    expect_openfoam(folder, 3)
+
+
+def openfoam(folder, layers, groups=(), binary=False):
+    """A case of 3 x 2 cells in each layer; of several numbers of layers, one that a processor each has computed, in collated files where there are groups of these."""
+    for i, count in enumerate(layers):
+        openfoam_part(folder if len(layers) == 1 else f"{folder}/processor{i}", (3, 2, count), sum(layers[:i]), binary)
+    openfoam_control(folder)
+    collate(folder, groups)
+    expect_openfoam(folder, sum(layers), lambda time: 10 if binary and time == 1 else 0)
+
+
+def openfoam_cases():
+    openfoam("cavity", [2])
+    openfoam("parted", [2, 1, 3])
+    openfoam("parted_binary", [2, 1, 3], binary=True)
+    openfoam("collated", [2, 1, 3], [[0, 1, 2]])
+    openfoam("collated_binary", [2, 1, 3], [[0, 1], [2]], True)
+    openfoam_regions("regions", "")
+    openfoam_regions("regions_collated", "processor0")
+    collate("regions_collated", [[0]])
+    openfoam("originals", [2])  # what the first values were made from, as users keep it
+    with open("originals/0/p") as values, open("originals/0/p.orig", "w") as out:
+        out.write(values.read().replace("nonuniform List<scalar>", "uniform 7;\nformerly"))
+    openfoam("gone_on", [1, 2])  # put together at 0.5, and computed further
+    openfoam_part("gone_on", (3, 2, 3))
+    shutil.rmtree("gone_on/1")
 
 
 def main():
@@ -587,11 +627,7 @@ def main():
     dicom("scan", False)
     dicom("scan_implicit", True)
     gaussian_cube()
-    openfoam("cavity", [2])
-    openfoam("parted", [2, 1, 3])
-    openfoam("parted_binary", [2, 1, 3], binary=True)
-    openfoam("collated", [2, 1, 3], [[0, 1, 2]])
-    openfoam("collated_binary", [2, 1, 3], [[0, 1], [2]], True)
+    openfoam_cases()
     ensight()
     older_and_binary_ensight()
     named_ensight()

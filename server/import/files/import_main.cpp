@@ -31,6 +31,7 @@
 #include "import/limits/memory_limit.h"
 #ifdef ISOSTRATA_READS_OPENFOAM
 #include "import/meshes/openfoam_collated.h"
+#include "import/meshes/openfoam_originals.h"
 #endif
 #include "import/bytes/parsed_number.h"
 #include "import/dataset/missing_values.h"
@@ -90,6 +91,7 @@ void run(const std::vector<std::string>& words) {
   isostrata::prepare_pictures(request.file);
 #ifdef ISOSTRATA_READS_OPENFOAM
   isostrata::make_folders_of_processors(request);
+  isostrata::make_links_without_originals(request);
 #endif
 #ifdef ISOSTRATA_READS_ENSIGHT
   isostrata::make_links_without_blanks(request);

@@ -19,11 +19,8 @@ struct CollatedCase {
   std::vector<std::string> regions;            // folders with a mesh, below those of times and "constant"; "" is the only one of most cases
 };
 
-/// Whether a case has times and a mesh that belong to no processor: then nobody looks at theirs.
-bool is_put_together(const std::filesystem::path& folder);
-
-/// From the names of its folders alone. Throws bad_data if they are not all there, or have no time in common; too_large if there are too many.
-CollatedCase collated_case(const std::filesystem::path& folder, const std::string& name);
+/// folders: openfoam_parts of data/openfoam_case.h. From the names in them alone. Throws bad_data if they are not all there, or have no time in common; too_large if there are too many.
+CollatedCase collated_case(const std::vector<std::filesystem::path>& folders, const std::string& name);
 
 /// The folders that take_apart writes into, in request.scratch, of a file that is such a case; else nothing. For whoever may soon make no more folders.
 void make_folders_of_processors(const ReadRequest& request);

@@ -1,3 +1,7 @@
+#include <vtkCompositeDataSet.h>
+#include <vtkDataSet.h>
+#include <vtkInformation.h>
+#include <vtkMultiBlockDataSet.h>
 #include <vtkPOpenFOAMReader.h>
 #include <vtkSmartPointer.h>
 
@@ -9,9 +13,11 @@
 #include <utility>
 #include <vector>
 
+#include "data/openfoam_case.h"
 #include "data/recognise.h"
 #include "import/imported/vtk_messages.h"
 #include "import/meshes/openfoam_collated.h"
+#include "import/meshes/openfoam_originals.h"
 #include "import/vtk/read_vtk.h"
 #include "import/vtk/vtk_pipeline.h"
 
@@ -20,14 +26,16 @@ namespace {
 
 namespace fs = std::filesystem;
 
+constexpr const char* kMesh = "internalMesh";
+
 /// We split polyhedra ourselves, in agreement with their neighbours. From VTK 9.6 on the reader never does.
 template <class Reader>
 void keep_polyhedra(Reader& reader) {
   if constexpr (requires { reader.SetDecomposePolyhedra(0); }) reader.SetDecomposePolyhedra(0);
 }
 
-/// Reads the internal meshes of a folder as a case of its own, and their fields.
-vtkSmartPointer<vtkPOpenFOAMReader> reader_of(const std::string& mark, const ReadRequest& request) {
+/// Reads the internal meshes of a folder as a case of its own, and their fields. mark: a file or a folder's place in it, by which VTK knows the case.
+vtkSmartPointer<vtkPOpenFOAMReader> reader_of(const fs::path& folder, const std::string& mark, const ReadRequest& request) {
   const std::string name = request.file.filename().string();
   auto reader = vtkSmartPointer<vtkPOpenFOAMReader>::New();
   reader->SetFileName(mark.c_str());
@@ -38,25 +46,32 @@ vtkSmartPointer<vtkPOpenFOAMReader> reader_of(const std::string& mark, const Rea
   report_progress(reader, request);
   reader->UpdateInformation();
   throw_on_vtk_error(name);
-  int meshes = 0;
+  std::vector<std::string> meshes;
   for (int i = 0; i < reader->GetNumberOfPatchArrays(); ++i) {
     const std::string patch = reader->GetPatchArrayName(i);
-    const bool mesh = patch == "internalMesh" || patch.ends_with("/internalMesh");
+    const bool mesh = patch == kMesh || patch.ends_with(std::string("/") + kMesh);
     reader->SetPatchArrayStatus(patch.c_str(), mesh);
-    meshes += mesh;
+    if (mesh) meshes.push_back(patch);
   }
-  if (meshes == 0) throw Error(ErrorCode::bad_data, name + ": the case has no internal mesh");
+  if (meshes.size() > 1 && has_fields_in_regions_alone(folder)) reader->SetPatchArrayStatus(kMesh, false);
+  if (meshes.empty()) throw Error(ErrorCode::bad_data, name + ": the case has no internal mesh");
   reader->EnableAllCellArrays();
   reader->EnableAllPointArrays();
   return reader;
 }
 
-/// processor0, processor1 and so on, as far as they go.
-std::vector<fs::path> processors_of(const fs::path& folder) {
-  std::vector<fs::path> found;
-  std::error_code error;
-  for (fs::path next = folder / "processor0"; fs::is_directory(next, error); next = folder / ("processor" + std::to_string(found.size()))) found.push_back(next);
-  return found;
+/// read_step, whose blocks get the names of the case's regions.
+Imported read_meshes(vtkPOpenFOAMReader* reader, const ReadRequest& request) {
+  Imported imported = read_step(reader, request);
+  vtkMultiBlockDataSet* regions = reader->GetOutput();
+  std::vector<std::string> names;
+  for (unsigned i = 0; regions && i < regions->GetNumberOfBlocks(); ++i) {
+    auto* region = vtkMultiBlockDataSet::SafeDownCast(regions->GetBlock(i));
+    auto* mesh = vtkDataSet::SafeDownCast(region && region->GetNumberOfBlocks() > 0 ? region->GetBlock(0) : nullptr);
+    if (mesh && mesh->GetNumberOfPoints() > 0) names.emplace_back(regions->HasMetaData(i) ? regions->GetMetaData(i)->Get(vtkCompositeDataSet::NAME()) : kMesh);
+  }
+  for (std::size_t i = 0; names.size() == imported.blocks.size() && i < names.size(); ++i) imported.blocks[i].name = names[i];
+  return imported;
 }
 
 /// Those that all of them have: a run that was stopped may have written its last time in some folders alone.
@@ -80,9 +95,9 @@ Imported read_parts(const std::vector<fs::path>& folders, const std::vector<vtkS
     const std::vector<double> own = listed_times(readers[i], name);
     ReadRequest part = request;
     part.step = static_cast<int>(std::find(own.begin(), own.end(), time) - own.begin());
-    Imported one = read_step(readers[i], part);
+    Imported one = read_meshes(readers[i], part);
     for (Block& block : one.blocks) {
-      block.name = folders[i].filename().string() + (block.name == "internalMesh" ? "" : "/" + block.name);
+      block.name = folders[i].filename().string() + (block.name == kMesh ? "" : "/" + block.name);
       imported.blocks.push_back(std::move(block));
     }
     for (const std::string& note : one.notes) add_note(imported.notes, note);
@@ -92,13 +107,12 @@ Imported read_parts(const std::vector<fs::path>& folders, const std::vector<vtkS
 
 std::vector<vtkSmartPointer<vtkPOpenFOAMReader>> readers_of(const std::vector<fs::path>& folders, const ReadRequest& request) {
   std::vector<vtkSmartPointer<vtkPOpenFOAMReader>> readers;
-  for (const fs::path& folder : folders) readers.push_back(reader_of(folder / "case.foam", request));
+  for (const fs::path& folder : folders) readers.push_back(reader_of(folder, folder / "case.foam", request));
   return readers;
 }
 
-Imported read_processors(const fs::path& folder, const ReadRequest& request) {
+Imported read_processors(const std::vector<fs::path>& processors, const ReadRequest& request) {
   const std::string name = request.file.filename().string();
-  const std::vector<fs::path> processors = processors_of(folder);
   const auto readers = readers_of(processors, request);
   Imported imported;
   imported.times = common_times(readers, name);
@@ -110,8 +124,8 @@ Imported read_processors(const fs::path& folder, const ReadRequest& request) {
   return imported;
 }
 
-Imported read_collated(const fs::path& folder, const ReadRequest& request) {
-  const CollatedCase collated = collated_case(folder, request.file.filename().string());
+Imported read_collated(const std::vector<fs::path>& folders, const ReadRequest& request) {
+  const CollatedCase collated = collated_case(folders, request.file.filename().string());
   Imported imported;
   imported.times = collated.times;
   check_step(request, imported.times.size());
@@ -130,11 +144,12 @@ Imported read_openfoam(const ReadRequest& request) {
   const fs::path folder = given_folder ? request.file : request.file.parent_path();
   if (!is_openfoam_case(folder))
     throw Error(ErrorCode::bad_data, request.file.filename().string() + ": expected an OpenFOAM case around it: system/controlDict and constant/polyMesh");
-  if (!is_put_together(folder)) {  // a case that was run in parallel has its times in the folders of the processors
-    if (fs::is_directory(folder / "processor0", error)) return read_processors(folder, request);
-    if (!collated_folder(folder).empty()) return read_collated(folder, request);
-  }
-  return read_step(reader_of(given_folder ? folder / "system" / "controlDict" : request.file, request), request);
+  if (const std::vector<fs::path> parts = openfoam_parts(folder); !parts.empty())  // it was run in parallel
+    return is_collated_name(parts.front().filename().string()) ? read_collated(parts, request) : read_processors(parts, request);
+  const fs::path read = case_without_originals(folder, request);
+  Imported imported = read_meshes(reader_of(read, given_folder || read != folder ? read / "system" / "controlDict" : request.file, request), request);
+  remove_links_without_originals(request);
+  return imported;
 }
 
 }  // namespace isostrata

@@ -1,6 +1,5 @@
 #include <algorithm>
 #include <cctype>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <fstream>
@@ -10,7 +9,7 @@
 #include <system_error>
 #include <utility>
 
-#include "data/recognise.h"
+#include "data/openfoam_case.h"
 #include "import/bytes/mapped_file.h"
 #include "import/bytes/parsed_number.h"
 #include "import/meshes/openfoam_collated.h"
@@ -40,16 +39,6 @@ std::optional<Processors> processors_named(std::string_view name) {
   const auto first = parsed_number<std::size_t>(name.substr(line + 1, dash - line - 1)), last = parsed_number<std::size_t>(name.substr(dash + 1));
   if (!first || !last || *last < *first || *last >= *all) return std::nullopt;
   return Processors{*all, *first, *last + 1};
-}
-
-std::map<double, std::string> times_of(const fs::path& folder) {
-  std::map<double, std::string> out;
-  std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    const std::string name = it->path().filename().string();
-    if (const auto time = parsed_number<double>(name); time && std::isfinite(*time) && it->is_directory(error)) out.emplace(*time, name);
-  }
-  return out;
 }
 
 /// Where the entry FoamFile of a text ends; 0 if there is none.
@@ -155,18 +144,10 @@ std::vector<fs::path> parts_of(const CollatedCase& of, const ReadRequest& reques
 
 }  // namespace
 
-bool is_put_together(const fs::path& folder) {
-  std::error_code error;
-  if (!fs::is_directory(folder / "constant" / "polyMesh", error)) return false;
-  const auto times = times_of(folder);
-  return times.size() > times.count(0);  // 0 is where a run begins
-}
-
-CollatedCase collated_case(const fs::path& folder, const std::string& name) {
+CollatedCase collated_case(const std::vector<fs::path>& folders, const std::string& name) {
   std::map<std::size_t, std::pair<Processors, fs::path>> found;
-  std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error))
-    if (const auto of = processors_named(it->path().filename().string()); of && it->is_directory(error)) found.emplace(of->first, std::pair(*of, it->path()));
+  for (const fs::path& folder : folders)
+    if (const auto of = processors_named(folder.filename().string())) found.emplace(of->first, std::pair(*of, folder));
   CollatedCase out;
   std::size_t next = 0, all = 0;
   std::map<double, std::string> times;
@@ -174,7 +155,7 @@ CollatedCase collated_case(const fs::path& folder, const std::string& name) {
     if (first != next || (all > 0 && part.first.all != all)) throw Error(ErrorCode::bad_data, name + ": expected processor " + std::to_string(next) + " in a folder beside " + part.second.filename().string());
     all = part.first.all;
     next = part.first.end;
-    const auto own = times_of(part.second);
+    const auto own = openfoam_times(part.second);
     if (out.folders.empty())
       times = own;
     else
@@ -189,6 +170,7 @@ CollatedCase collated_case(const fs::path& folder, const std::string& name) {
     out.names.push_back(called);
   }
   out.regions = regions_of(out.folders.front());
+  if (out.regions.size() > 1 && out.regions.front().empty() && has_fields_in_regions_alone(out.folders.front())) out.regions.erase(out.regions.begin());
   if (out.regions.empty()) throw Error(ErrorCode::bad_data, name + ": expected a mesh in " + out.folders.front().filename().string() + "/constant/polyMesh");
   return out;
 }
@@ -196,11 +178,11 @@ CollatedCase collated_case(const fs::path& folder, const std::string& name) {
 void make_folders_of_processors(const ReadRequest& request) {
   std::error_code error;
   const fs::path folder = fs::is_directory(request.file, error) ? request.file : request.file.parent_path();
-  if ((folder != request.file && request.file.extension() != ".foam" && request.file.extension() != ".openfoam") || collated_folder(folder).empty() ||
-      fs::is_directory(folder / "processor0", error) || is_put_together(folder))
-    return;
+  if (folder != request.file && request.file.extension() != ".foam" && request.file.extension() != ".openfoam") return;
+  const std::vector<fs::path> folders = openfoam_parts(folder);
+  if (folders.empty() || !is_collated_name(folders.front().filename().string())) return;
   try {
-    const CollatedCase of = collated_case(folder, request.file.filename().string());
+    const CollatedCase of = collated_case(folders, request.file.filename().string());
     if (static_cast<std::size_t>(request.step) >= of.names.size()) return;
     for (const fs::path& part : parts_of(of, request))
       for (const std::string& region : of.regions) {
