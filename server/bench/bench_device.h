@@ -5,7 +5,7 @@
 #include <string>
 
 #include "bench/bench_sums.h"
-#include "data/dataset.h"
+#include "data/dataset/dataset.h"
 #include "extraction/mesh/interval_mesh.h"
 
 namespace isostrata {

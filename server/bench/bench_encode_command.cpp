@@ -11,7 +11,7 @@
 #include "base/simd_level.h"
 #include "base/stopwatch.h"
 #include "bench/commands.h"
-#include "data/array_or_first.h"
+#include "data/dataset/array_or_first.h"
 #include "encoding/decoder.h"
 #include "encoding/encoder.h"
 #include "encoding/picture_distance.h"

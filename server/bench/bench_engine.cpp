@@ -9,7 +9,7 @@
 
 #include "base/kept_blocks.h"
 #include "bench/bench_sums.h"
-#include "data/file_series.h"
+#include "data/files/file_series.h"
 #include "engine/first/first_scene.h"
 #include "main/arguments.h"
 #include "session/wire/random_token.h"

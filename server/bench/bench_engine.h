@@ -9,7 +9,7 @@
 #include <mutex>
 #include <string>
 
-#include "data/import_cache.h"
+#include "data/open/import_cache.h"
 #include "engine/engine/engine.h"
 
 namespace isostrata {

@@ -12,7 +12,7 @@
 #include "bench/bench_sums.h"
 #include "bench/commands.h"
 #include "bench/usual_interval.h"
-#include "data/array_or_first.h"
+#include "data/dataset/array_or_first.h"
 #include "engine/picture/draw_input.h"
 #include "engine/picture/draw_lit.h"
 #include "engine/picture/extract_scene.h"

@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "base/program_file.h"
-#include "data/child_process.h"
+#include "data/open/child_process.h"
 #include "engine/data/catalogue.h"
 #include "main/arguments.h"
 #include "main/layer_arguments.h"

@@ -25,7 +25,7 @@
 #include "bench/commands.h"
 #include "bench/hostile_client.h"
 #include "bench/shaped_link.h"
-#include "data/child_process.h"
+#include "data/open/child_process.h"
 #include "engine/first/first_view.h"
 #include "main/arguments.h"
 #include "main/picture_arguments.h"

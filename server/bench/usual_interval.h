@@ -4,7 +4,7 @@
 #include <cstdio>
 #include <string>
 
-#include "data/array.h"
+#include "data/values/array.h"
 #include "scene/interval.h"
 
 namespace isostrata {

@@ -11,9 +11,9 @@
 
 #include "base/nearest_name.h"
 #include "base/utf8.h"
-#include "data/analytic.h"
-#include "data/file_series.h"
-#include "data/region.h"
+#include "data/dataset/analytic.h"
+#include "data/files/file_series.h"
+#include "data/parts/region.h"
 #include "main/ranks.h"
 
 namespace isostrata {

@@ -8,7 +8,7 @@
 #include <string_view>
 
 #include "base/task.h"
-#include "data/dataset.h"
+#include "data/dataset/dataset.h"
 #include "extraction/mesh/interval_mesh.h"
 #include "scene/style.h"
 
@@ -30,12 +30,12 @@ IntervalArgument parse_interval(std::string_view text, std::size_t index);
 /// One per process.
 Task& command_task();
 
-/// Adds FILE, which must be said. Every "." on the way of a path is left out: to readers it would be the mark of a root (data/beneath.h).
+/// Adds FILE, which must be said. Every "." on the way of a path is left out: to readers it would be the mark of a root (data/files/beneath.h).
 void add_file_option(CLI::App& command, std::string& file, const std::string& help);
 
 /// Adds --region and --stride, which open_argument obeys from then on.
 void add_region_options(CLI::App& command);
-struct Region;  // data/region.h
+struct Region;  // data/parts/region.h
 const Region& region_of_arguments();
 
 /// FILE of a command: analytic data or a path; the part of it that --region and --stride say.

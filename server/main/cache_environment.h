@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "data/import_cache.h"
+#include "data/open/import_cache.h"
 
 namespace isostrata {
 

@@ -13,7 +13,7 @@
 #include "base/parallel.h"
 #include "base/program_file.h"
 #include "base/simd_level.h"
-#include "data/sandbox.h"
+#include "data/open/sandbox.h"
 #include "encoding/encode_image.h"
 #include "main/arguments.h"
 #include "main/commands.h"

@@ -8,10 +8,10 @@
 #include <string>
 
 #include "base/utf8.h"
-#include "data/array_units.h"
-#include "data/list_folder.h"
-#include "data/recognise.h"
-#include "data/series_ranges.h"
+#include "data/derived/series_ranges.h"
+#include "data/files/list_folder.h"
+#include "data/files/recognise.h"
+#include "data/values/array_units.h"
 #include "main/arguments.h"
 #include "main/commands.h"
 #include "main/sandbox_option.h"

@@ -1,6 +1,6 @@
 #include "main/mesh_arguments.h"
 
-#include "data/array_or_first.h"
+#include "data/dataset/array_or_first.h"
 #include "main/arguments.h"
 #include "main/sandbox_option.h"
 

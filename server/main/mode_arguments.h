@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "data/array.h"
+#include "data/values/array.h"
 #include "scene/scene.h"
 
 namespace isostrata {

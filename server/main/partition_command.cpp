@@ -8,8 +8,8 @@
 
 #include "base/parallel.h"
 #include "base/stopwatch.h"
-#include "data/partition.h"
-#include "data/source_mapping.h"
+#include "data/parts/partition.h"
+#include "data/values/source_mapping.h"
 #include "extraction/files/output_file.h"
 #include "extraction/files/write_part.h"
 #include "extraction/layers/owned_cells.h"

@@ -8,8 +8,8 @@
 
 #include "base/parallel.h"
 #include "base/stopwatch.h"
-#include "data/array_or_first.h"
-#include "data/scaled_dataset.h"
+#include "data/dataset/array_or_first.h"
+#include "data/derived/scaled_dataset.h"
 #include "encoding/encode_image.h"
 #include "encoding/image_file.h"
 #include "engine/first/first_scene.h"

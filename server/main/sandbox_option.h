@@ -4,7 +4,7 @@
 #include <CLI/CLI.hpp>
 #include <string>
 
-#include "data/sandbox.h"
+#include "data/open/sandbox.h"
 
 namespace isostrata {
 

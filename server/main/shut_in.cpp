@@ -7,8 +7,8 @@
 #include <system_error>
 #include <utility>
 
-#include "data/import_cache.h"
-#include "data/sandbox.h"
+#include "data/open/import_cache.h"
+#include "data/open/sandbox.h"
 
 namespace isostrata {
 namespace {

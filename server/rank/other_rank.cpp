@@ -16,8 +16,8 @@
 #include "base/parallel.h"
 #include "base/pulse.h"
 #include "base/stopwatch.h"
-#include "data/sandbox.h"
-#include "data/scaled_dataset.h"
+#include "data/derived/scaled_dataset.h"
+#include "data/open/sandbox.h"
 #include "rank/picture_of_ranks.h"
 #include "rank/rank_work.h"
 

@@ -1,7 +1,7 @@
 // One picture by all ranks: each draws its region, cut at the region's planes, and what they drew is put together front to back.
 #pragma once
 
-#include "data/region_tree.h"
+#include "data/grids/region_tree.h"
 #include "rank/composite.h"
 #include "rank/rank_line.h"
 #include "rendering/picture/renderer.h"

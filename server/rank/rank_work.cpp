@@ -7,14 +7,14 @@
 #include <iterator>
 #include <limits>
 
-#include "data/dataset_bytes.h"
-#include "data/histogram.h"
-#include "data/owned_values.h"
-#include "data/partition.h"
-#include "data/region.h"
-#include "data/sandbox.h"
-#include "data/source_mapping.h"
-#include "data/take_region.h"
+#include "data/dataset/dataset_bytes.h"
+#include "data/open/sandbox.h"
+#include "data/parts/owned_values.h"
+#include "data/parts/partition.h"
+#include "data/parts/region.h"
+#include "data/parts/take_region.h"
+#include "data/values/histogram.h"
+#include "data/values/source_mapping.h"
 #include "extraction/bricks/layer_bricks.h"
 #include "extraction/facets/boundary_facets.h"
 #include "rank/picture_of_ranks.h"

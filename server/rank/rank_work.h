@@ -8,7 +8,7 @@
 #include <mutex>
 #include <string>
 
-#include "data/scaled_dataset.h"
+#include "data/derived/scaled_dataset.h"
 #include "engine/picture/scene_ranks.h"
 #include "extraction/bricks/brick_memory.h"
 #include "extraction/layers/owned_cells.h"
@@ -23,7 +23,7 @@ class RankWork {
   void configure(const RankSetup& setup);
 
   /// All of a dataset as the setup says that it is read, with nothing looked at that can be mapped (open_unread). Nothing of it is kept. Of one that
-  /// lies in as many parts as there are ranks (data/partition.h) it is this rank's part alone, which is then Dataset::whole's.
+  /// lies in as many parts as there are ranks (data/parts/partition.h) it is this rank's part alone, which is then Dataset::whole's.
   StepSource open(const std::string& source) const;
   /// Its part for this rank's region, out of what `whole` opens; kept for the next time, at most max_bytes of parts. Both outlive the call.
   StepSource parts(const std::string& version, const RegionTree& regions, const StepSource& whole);

@@ -23,9 +23,9 @@
 #include "base/error.h"
 #include "base/landlock.h"
 #include "base/program_file.h"
-#include "data/analytic.h"
-#include "data/sandbox.h"
-#include "data/zarr_folder.h"
+#include "data/dataset/analytic.h"
+#include "data/files/zarr_folder.h"
+#include "data/open/sandbox.h"
 #include "worker/refused_calls.h"
 
 namespace isostrata {

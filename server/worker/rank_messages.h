@@ -7,9 +7,9 @@
 #include <vector>
 
 #include "base/error.h"
-#include "data/moments.h"
-#include "data/region.h"
-#include "data/region_tree.h"
+#include "data/grids/region_tree.h"
+#include "data/parts/region.h"
+#include "data/values/moments.h"
 #include "engine/picture/scene_ranks.h"
 #include "extraction/layers/extract_layers.h"
 #include "extraction/mesh/interval_mesh.h"

@@ -5,7 +5,7 @@
 #include <optional>
 
 #include "base/parallel.h"
-#include "data/loaded_importer.h"
+#include "data/open/loaded_importer.h"
 #include "engine/engine/engine.h"
 #include "worker/worker_process.h"
 

@@ -10,8 +10,8 @@
 #include <string_view>
 #include <vector>
 
-#include "data/child_process.h"
 #include "data/files.h"
+#include "data/open/child_process.h"
 #include "support/places.h"
 
 namespace isostrata::attack {

@@ -13,7 +13,7 @@
 
 #include "base/parallel.h"
 #include "base/work.h"
-#include "data/dataset.h"
+#include "data/dataset/dataset.h"
 #include "engine/picture/draw_input.h"
 #include "engine/picture/extract_scene.h"
 #include "rendering/picture/renderer.h"

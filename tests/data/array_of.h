@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "data/array.h"
+#include "data/values/array.h"
 
 namespace isostrata {
 

@@ -6,7 +6,7 @@
 #include <map>
 
 #include "data/files.h"
-#include "data/grid_sheets.h"
+#include "data/grids/grid_sheets.h"
 #include "support/vtk_text.h"
 
 namespace isostrata {

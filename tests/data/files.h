@@ -14,7 +14,7 @@
 #include <string>
 #include <vector>
 
-#include "data/dataset.h"
+#include "data/dataset/dataset.h"
 #include "support/plot3d_file.h"
 #include "support/shared_data.h"
 #include "support/temporary_folder.h"

@@ -6,9 +6,9 @@
 #include <limits>
 #include <tuple>
 
-#include "data/array_units.h"
 #include "data/files.h"
 #include "data/fits_file.h"
+#include "data/values/array_units.h"
 #include "support/mutated_files.h"
 
 namespace isostrata {

@@ -12,11 +12,11 @@
 #include <tuple>
 #include <utility>
 
-#include "data/file_formats.h"
 #include "data/files.h"
-#include "data/import_door.h"
-#include "data/recognise.h"
-#include "data/referred_names.h"
+#include "data/files/file_formats.h"
+#include "data/files/recognise.h"
+#include "data/files/referred_names.h"
+#include "data/open/import_door.h"
 #include "support/mutated_files.h"
 #include "support/places.h"
 

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "data/files.h"
-#include "data/import_door.h"
+#include "data/open/import_door.h"
 #include "support/mutated_files.h"
 
 namespace isostrata {

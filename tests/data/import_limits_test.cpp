@@ -6,7 +6,7 @@
 #include <algorithm>
 
 #include "data/files.h"
-#include "data/sandbox.h"
+#include "data/open/sandbox.h"
 #include "support/exodus_file.h"
 #include "support/places.h"
 

@@ -10,13 +10,13 @@
 #include <cstring>
 #include <fstream>
 
-#include "data/dataset_bytes.h"
+#include "data/dataset/dataset_bytes.h"
 #include "data/files.h"
-#include "data/histogram.h"
-#include "data/import_cache.h"
-#include "data/import_door.h"
-#include "data/kept_facts.h"
-#include "data/source_mapping.h"
+#include "data/open/import_cache.h"
+#include "data/open/import_door.h"
+#include "data/values/histogram.h"
+#include "data/values/kept_facts.h"
+#include "data/values/source_mapping.h"
 #include "support/places.h"
 
 namespace isostrata {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "data/files.h"
-#include "data/import_door.h"
+#include "data/open/import_door.h"
 #include "support/places.h"
 
 namespace isostrata {

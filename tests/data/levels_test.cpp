@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "data/files.h"
-#include "data/list_folder.h"
+#include "data/files/list_folder.h"
 #include "support/block_tree.h"
 #include "support/level_files.h"
 

@@ -8,9 +8,9 @@
 #include <utility>
 
 #include "data/files.h"
-#include "data/import_cache.h"
-#include "data/import_door.h"
-#include "data/source_mapping.h"
+#include "data/open/import_cache.h"
+#include "data/open/import_door.h"
+#include "data/values/source_mapping.h"
 #include "support/places.h"
 
 namespace isostrata {

@@ -8,7 +8,7 @@
 #include <string>
 
 #include "data/files.h"
-#include "data/list_folder.h"
+#include "data/files/list_folder.h"
 
 namespace isostrata {
 namespace {

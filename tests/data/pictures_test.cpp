@@ -5,7 +5,7 @@
 #include <type_traits>
 
 #include "data/files.h"
-#include "data/list_folder.h"
+#include "data/files/list_folder.h"
 
 namespace isostrata {
 namespace {

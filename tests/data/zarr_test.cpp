@@ -7,10 +7,10 @@
 #include <random>
 
 #include "data/files.h"
-#include "data/list_folder.h"
-#include "data/recognise.h"
-#include "data/source_files.h"
-#include "data/zarr_folder.h"
+#include "data/files/list_folder.h"
+#include "data/files/recognise.h"
+#include "data/files/source_files.h"
+#include "data/files/zarr_folder.h"
 #include "support/mutated_files.h"
 
 namespace isostrata {

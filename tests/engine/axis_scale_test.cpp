@@ -6,8 +6,8 @@
 #include <memory>
 #include <variant>
 
-#include "data/analytic.h"
-#include "data/scaled_dataset.h"
+#include "data/dataset/analytic.h"
+#include "data/derived/scaled_dataset.h"
 #include "engine/engine/engine.h"
 #include "engine/heard_events.h"
 #include "engine/picture/draw_input.h"

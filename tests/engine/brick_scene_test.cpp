@@ -3,7 +3,7 @@
 
 #include <cmath>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "engine/picture/draw_input.h"
 #include "engine/picture/draw_still.h"
 #include "engine/picture/extract_scene.h"

@@ -10,7 +10,7 @@
 #include <thread>
 #include <vector>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "engine/engine/engine.h"
 #include "engine/heard_events.h"
 #include "engine/messages/coarse_levels.h"

@@ -7,8 +7,8 @@
 #include <cmath>
 #include <random>
 
-#include "data/analytic.h"
-#include "data/array_units.h"
+#include "data/dataset/analytic.h"
+#include "data/values/array_units.h"
 #include "engine/picture/draw_input.h"
 #include "engine/picture/extract_scene.h"
 #include "engine/picture/scene_legend.h"

@@ -6,7 +6,7 @@
 #include <cstdlib>
 #include <filesystem>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "encoding/encode_image.h"
 #include "engine/picture/draw_input.h"
 #include "engine/picture/extract_scene.h"

@@ -9,7 +9,7 @@
 #include <mutex>
 
 #include "base/error.h"
-#include "data/look_at_folder.h"
+#include "data/files/look_at_folder.h"
 #include "support/temporary_folder.h"
 
 namespace isostrata {

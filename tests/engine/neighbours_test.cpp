@@ -7,8 +7,8 @@
 #include <memory>
 #include <string>
 
-#include "data/dataset_bytes.h"
-#include "data/import_door.h"
+#include "data/dataset/dataset_bytes.h"
+#include "data/open/import_door.h"
 #include "engine/engine/engine.h"
 #include "engine/heard_events.h"
 #include "engine/picture/export_mesh.h"

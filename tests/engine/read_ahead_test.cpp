@@ -4,7 +4,7 @@
 #include <chrono>
 #include <thread>
 
-#include "data/import_cache.h"
+#include "data/open/import_cache.h"
 #include "engine/engine/engine.h"
 #include "engine/heard_events.h"
 #include "support/temporary_folder.h"

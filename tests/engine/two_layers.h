@@ -8,7 +8,7 @@
 #include <string>
 #include <utility>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "engine/picture/extract_scene.h"
 
 namespace isostrata {

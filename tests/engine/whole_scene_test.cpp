@@ -3,7 +3,7 @@
 
 #include <set>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "engine/picture/coarse_scene.h"
 #include "engine/picture/draw_input.h"
 #include "engine/picture/extract_scene.h"

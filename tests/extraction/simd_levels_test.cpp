@@ -5,7 +5,7 @@
 #include <cstring>
 #include <limits>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "extraction/small_grids.h"
 #include "support/simd_levels.h"

@@ -6,8 +6,8 @@
 #include <utility>
 #include <vector>
 
-#include "data/analytic.h"
-#include "data/dataset.h"
+#include "data/dataset/analytic.h"
+#include "data/dataset/dataset.h"
 #include "extraction/small_grids.h"
 #include "extraction/space_time/space_time_cells.h"
 

@@ -2,7 +2,7 @@
 // counts.
 #include <gtest/gtest.h>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/small_grids.h"
 #include "laws/partition_law.h"
 #include "support/sample_files.h"

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <string>
 
-#include "data/dataset.h"
+#include "data/dataset/dataset.h"
 #include "laws/partition_law.h"
 #include "support/block_tree.h"
 #include "support/level_files.h"

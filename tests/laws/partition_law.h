@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "data/dataset.h"
+#include "data/dataset/dataset.h"
 #include "extraction/facets/boundary_facets.h"
 #include "extraction/intervals/extract_intervals.h"
 

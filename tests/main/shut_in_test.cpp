@@ -16,7 +16,7 @@
 #include <string>
 #include <vector>
 
-#include "data/sandbox.h"
+#include "data/open/sandbox.h"
 #include "support/served.h"
 
 namespace isostrata::testing {

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "rendering/order/draw_groups.h"
 #include "support/order_errors.h"
 #include "support/picture_cases.h"

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "data/array.h"
-#include "data/grid.h"
+#include "data/grids/grid.h"
+#include "data/values/array.h"
 #include "extraction/mesh/interval_mesh.h"
 
 namespace isostrata::random_test {

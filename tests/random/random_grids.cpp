@@ -4,9 +4,9 @@
 #include <cmath>
 #include <limits>
 
-#include "data/analytic.h"
-#include "data/hull_faces.h"
-#include "data/split_polyhedron.h"
+#include "data/dataset/analytic.h"
+#include "data/grids/hull_faces.h"
+#include "data/grids/split_polyhedron.h"
 #include "support/edge_points_of.h"
 #include "support/refined_cubes.h"
 #include "support/truncated_cubes.h"

@@ -1,7 +1,7 @@
 // What ranks count is what one process counts, and their pieces are one mesh.
 #include <gtest/gtest.h>
 
-#include "data/import_door.h"
+#include "data/open/import_door.h"
 #include "rank/by_ranks.h"
 #include "support/sample_files.h"
 

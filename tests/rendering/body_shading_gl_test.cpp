@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "base/error.h"
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "support/oracle.h"
 #include "support/picture_cases.h"
 #include "support/pictures.h"

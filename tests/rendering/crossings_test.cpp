@@ -5,7 +5,7 @@
 #include <random>
 
 #include "base/parallel.h"
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "rendering/choice/native_renderer.h"
 #include "support/box_mesh.h"

@@ -3,7 +3,7 @@
 
 #include <random>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "extraction/surfaces/gradient_normals.h"
 #include "rendering/raster/gl_renderer.h"

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "base/error.h"
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "rendering/raster/gl_renderer.h"
 #include "support/pictures.h"

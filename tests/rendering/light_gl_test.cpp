@@ -4,7 +4,7 @@
 #include <cmath>
 #include <random>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "support/oracle.h"
 #include "support/pictures.h"

@@ -5,7 +5,7 @@
 
 #include <random>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "support/box_mesh.h"
 #include "support/order_errors.h"

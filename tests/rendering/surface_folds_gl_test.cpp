@@ -3,7 +3,7 @@
 
 #include <algorithm>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "extraction/surfaces/gradient_normals.h"
 #include "support/pictures.h"

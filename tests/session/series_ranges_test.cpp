@@ -1,7 +1,7 @@
 // A series' ranges as a session learns them: what is known at once, the rest when all steps have been read.
 #include <gtest/gtest.h>
 
-#include "data/array_units.h"
+#include "data/values/array_units.h"
 #include "session/fake_engine.h"
 
 namespace isostrata {

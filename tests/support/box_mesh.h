@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "data/grid.h"
+#include "data/grids/grid.h"
 #include "extraction/mesh/interval_mesh.h"
 
 namespace isostrata::testing {

@@ -1,7 +1,7 @@
 // The edge points of a mesh that tests made, as the importer finds them.
 #pragma once
 
-#include "data/split_polyhedron.h"
+#include "data/grids/split_polyhedron.h"
 #include "support/polyhedral_mesh.h"
 
 namespace isostrata::test {

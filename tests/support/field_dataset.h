@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <vector>
 
-#include "data/dataset.h"
+#include "data/dataset/dataset.h"
 
 namespace isostrata::testing {
 

@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "data/dataset.h"
+#include "data/dataset/dataset.h"
 #include "support/temporary_folder.h"
 
 namespace isostrata::testing {

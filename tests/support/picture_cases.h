@@ -5,7 +5,7 @@
 #include <memory>
 #include <string_view>
 
-#include "data/dataset.h"
+#include "data/dataset/dataset.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "extraction/surfaces/gradient_normals.h"
 #include "rendering/picture/renderer.h"

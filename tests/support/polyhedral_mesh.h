@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/vec.h"
-#include "data/grid.h"
+#include "data/grids/grid.h"
 #include "tables/cell_type.h"
 
 namespace isostrata::test {

@@ -5,7 +5,7 @@
 #include <memory>
 #include <string>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/layers/extract_layers.h"
 
 namespace isostrata {

@@ -22,8 +22,8 @@
 #include <cstdio>
 #include <random>
 
-#include "data/analytic.h"
-#include "data/dataset.h"
+#include "data/dataset/analytic.h"
+#include "data/dataset/dataset.h"
 #include "extraction/layers/extract_layers.h"
 #include "support/places.h"
 #include "support/shared_data.h"

@@ -33,7 +33,7 @@
 #include <cmath>
 
 #include "data/files.h"
-#include "data/import_door.h"
+#include "data/open/import_door.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "support/mutated_files.h"
 #include "support/places.h"

@@ -24,7 +24,7 @@
 #include <string>
 #include <vector>
 
-#include "data/import_door.h"
+#include "data/open/import_door.h"
 #include "support/run_isostrata.h"
 #include "support/sample_files.h"
 

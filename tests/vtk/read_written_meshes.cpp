@@ -14,7 +14,7 @@
 #include <algorithm>
 #include <map>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/files/write_mesh.h"
 #include "extraction/small_grids.h"
 #include "support/temporary_folder.h"

@@ -4,7 +4,7 @@
 #include <gmock/gmock.h>
 
 #include "attack/escape.h"
-#include "data/sandbox.h"
+#include "data/open/sandbox.h"
 
 namespace isostrata {
 namespace {

@@ -5,7 +5,7 @@
 #include <stdexcept>
 #include <utility>
 
-#include "data/page_reader.h"
+#include "data/values/page_reader.h"
 
 namespace isostrata {
 namespace {

@@ -8,11 +8,11 @@
 
 #include "base/error.h"
 #include "base/utf8.h"
-#include "data/analytic.h"
-#include "data/beneath.h"
-#include "data/file_series.h"
-#include "data/look_at_folder.h"
-#include "data/recognise.h"
+#include "data/dataset/analytic.h"
+#include "data/files/beneath.h"
+#include "data/files/file_series.h"
+#include "data/files/look_at_folder.h"
+#include "data/files/recognise.h"
 
 namespace isostrata {
 namespace {

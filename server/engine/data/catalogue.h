@@ -12,8 +12,8 @@
 #include <utility>
 #include <vector>
 
-#include "data/list_folder.h"
-#include "data/region.h"
+#include "data/files/list_folder.h"
+#include "data/parts/region.h"
 
 namespace isostrata {
 
@@ -23,7 +23,7 @@ enum class CatalogueNews : std::uint8_t { none, appeared, grown, changed, gone }
 struct CatalogueEntry {
   std::string id;      // short, stable for the same source within one server's life: "bluntfinxyz-3f2a91"
   std::string name;    // what a person reads: the file's name as valid_utf8, or of analytic data its name
-  std::string source;  // what open_dataset takes, a file as data/beneath.h has it; stays on the server
+  std::string source;  // what open_dataset takes, a file as data/files/beneath.h has it; stays on the server
   std::string kind = {};             // "NIfTI"; of analytic data empty
   std::uint64_t bytes = 0;           // of all its files
   std::int64_t changed_unix_ms = 0;  // the newest of them

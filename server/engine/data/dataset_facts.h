@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "base/vec.h"
-#include "data/dataset.h"
-#include "data/series_ranges.h"
+#include "data/dataset/dataset.h"
+#include "data/derived/series_ranges.h"
 #include "engine/first/first_view.h"
 
 namespace isostrata {

@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "base/work.h"
-#include "data/analytic.h"
-#include "data/dataset_bytes.h"
-#include "data/import_cache.h"
-#include "data/import_door.h"
-#include "data/same_grid.h"
+#include "data/dataset/analytic.h"
+#include "data/dataset/dataset_bytes.h"
+#include "data/grids/same_grid.h"
+#include "data/open/import_cache.h"
+#include "data/open/import_door.h"
 
 namespace isostrata {
 

@@ -15,8 +15,8 @@
 #include <thread>
 #include <utility>
 
-#include "data/dataset.h"
-#include "data/region.h"
+#include "data/dataset/dataset.h"
+#include "data/parts/region.h"
 
 namespace isostrata {
 

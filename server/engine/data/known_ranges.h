@@ -11,7 +11,7 @@
 #include <utility>
 #include <vector>
 
-#include "data/series_ranges.h"
+#include "data/derived/series_ranges.h"
 
 namespace isostrata {
 

@@ -16,9 +16,9 @@
 
 #include "base/error.h"
 #include "base/unix_time.h"
-#include "data/analytic.h"
-#include "data/beneath.h"
-#include "data/file_series.h"
+#include "data/dataset/analytic.h"
+#include "data/files/beneath.h"
+#include "data/files/file_series.h"
 
 namespace isostrata {
 namespace {

@@ -8,7 +8,7 @@
 #include <string>
 #include <vector>
 
-#include "data/folder_watch.h"
+#include "data/files/folder_watch.h"
 #include "engine/data/catalogue.h"
 
 namespace isostrata {

@@ -3,11 +3,11 @@
 #include <algorithm>
 
 #include "base/error.h"
-#include "data/analytic.h"
-#include "data/beneath.h"
-#include "data/histogram.h"
-#include "data/look_at_folder.h"
-#include "data/source_mapping.h"
+#include "data/dataset/analytic.h"
+#include "data/files/beneath.h"
+#include "data/files/look_at_folder.h"
+#include "data/values/histogram.h"
+#include "data/values/source_mapping.h"
 
 namespace isostrata {
 namespace {

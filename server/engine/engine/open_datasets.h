@@ -11,9 +11,9 @@
 #include <utility>
 #include <vector>
 
-#include "data/import_cache.h"
-#include "data/region.h"
-#include "data/statistics.h"
+#include "data/open/import_cache.h"
+#include "data/parts/region.h"
+#include "data/values/statistics.h"
 #include "engine/data/catalogue.h"
 #include "engine/data/dataset_facts.h"
 #include "engine/data/dataset_store.h"

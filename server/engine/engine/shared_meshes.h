@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <utility>
 
-#include "data/scaled_dataset.h"
+#include "data/derived/scaled_dataset.h"
 #include "engine/picture/base_meshes.h"
 #include "engine/picture/coarse_scene.h"
 #include "extraction/bricks/brick_memory.h"

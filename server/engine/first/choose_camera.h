@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "data/proxy_grid.h"
+#include "data/derived/proxy_grid.h"
 #include "engine/first/layer_choice.h"
 #include "scene/camera.h"
 

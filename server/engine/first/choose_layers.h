@@ -1,8 +1,8 @@
 // Which values of a field make a picture of it.
 #pragma once
 
-#include "data/proxy_grid.h"
-#include "data/value_curves.h"
+#include "data/derived/proxy_grid.h"
+#include "data/derived/value_curves.h"
 #include "engine/first/layer_choice.h"
 
 namespace isostrata {

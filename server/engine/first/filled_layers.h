@@ -4,8 +4,8 @@
 #include <optional>
 #include <vector>
 
-#include "data/proxy_grid.h"
-#include "data/value_curves.h"
+#include "data/derived/proxy_grid.h"
+#include "data/derived/value_curves.h"
 #include "engine/first/image_layers.h"
 #include "engine/first/layer_choice.h"
 

@@ -3,7 +3,7 @@
 
 #include <vector>
 
-#include "data/array.h"
+#include "data/values/array.h"
 
 namespace isostrata {
 

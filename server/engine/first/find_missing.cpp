@@ -9,7 +9,7 @@
 #include <variant>
 
 #include "base/parallel.h"
-#include "data/series_ranges.h"
+#include "data/derived/series_ranges.h"
 
 namespace isostrata {
 namespace {

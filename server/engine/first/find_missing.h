@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "data/array.h"
+#include "data/values/array.h"
 
 namespace isostrata {
 

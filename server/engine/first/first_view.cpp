@@ -6,11 +6,11 @@
 #include <optional>
 #include <set>
 
-#include "data/dataset_bytes.h"
-#include "data/proxy_grid.h"
-#include "data/scaled_dataset.h"
-#include "data/series_ranges.h"
-#include "data/value_curves.h"
+#include "data/dataset/dataset_bytes.h"
+#include "data/derived/proxy_grid.h"
+#include "data/derived/scaled_dataset.h"
+#include "data/derived/series_ranges.h"
+#include "data/derived/value_curves.h"
 #include "engine/first/choose_array.h"
 #include "engine/first/choose_layers.h"
 #include "engine/first/find_labels.h"

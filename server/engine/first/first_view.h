@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/task.h"
-#include "data/dataset.h"
+#include "data/dataset/dataset.h"
 #include "engine/first/choose_camera.h"
 #include "extraction/mesh/interval_mesh.h"
 #include "scene/axis_scale.h"

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "data/value_curves.h"
+#include "data/derived/value_curves.h"
 
 namespace isostrata {
 

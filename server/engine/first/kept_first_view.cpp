@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/program_file.h"
-#include "data/kept_facts.h"
+#include "data/values/kept_facts.h"
 
 namespace isostrata {
 namespace {

@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "data/dataset.h"
+#include "data/dataset/dataset.h"
 #include "engine/first/first_view.h"
 
 namespace isostrata {

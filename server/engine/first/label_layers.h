@@ -1,8 +1,8 @@
 // The layers of a field whose values number things.
 #pragma once
 
-#include "data/proxy_grid.h"
-#include "data/value_curves.h"
+#include "data/derived/proxy_grid.h"
+#include "data/derived/value_curves.h"
 #include "engine/first/layer_choice.h"
 
 namespace isostrata {

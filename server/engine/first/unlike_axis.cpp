@@ -6,7 +6,7 @@
 #include <cstdint>
 #include <optional>
 
-#include "data/grid_sheets.h"
+#include "data/grids/grid_sheets.h"
 
 namespace isostrata {
 namespace {

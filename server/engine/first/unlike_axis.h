@@ -3,7 +3,7 @@
 
 #include <optional>
 
-#include "data/dataset.h"
+#include "data/dataset/dataset.h"
 
 namespace isostrata {
 

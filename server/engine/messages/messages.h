@@ -11,8 +11,8 @@
 #include <vector>
 
 #include "base/error.h"
-#include "data/coarse_error.h"
-#include "data/statistics.h"
+#include "data/derived/coarse_error.h"
+#include "data/values/statistics.h"
 #include "encoding/codec.h"
 #include "encoding/encode_image.h"
 #include "encoding/encode_still.h"

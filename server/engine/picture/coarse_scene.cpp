@@ -6,8 +6,8 @@
 #include <variant>
 
 #include "base/stopwatch.h"
-#include "data/region.h"
-#include "data/sampled_mesh.h"
+#include "data/derived/sampled_mesh.h"
+#include "data/parts/region.h"
 #include "engine/messages/coarse_levels.h"
 #include "engine/picture/extract_scene.h"
 

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "base/error.h"
-#include "data/array_or_first.h"
+#include "data/dataset/array_or_first.h"
 #include "engine/picture/layer_request.h"
 #include "extraction/files/write_bounded_mesh.h"
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "base/stopwatch.h"
-#include "data/array_or_first.h"
+#include "data/dataset/array_or_first.h"
 #include "engine/picture/instead_of_mesh.h"
 #include "engine/picture/layer_request.h"
 #include "engine/picture/smear.h"

@@ -4,7 +4,7 @@
 #include <memory>
 
 #include "base/task.h"
-#include "data/dataset.h"
+#include "data/dataset/dataset.h"
 #include "engine/picture/extracted_scene.h"
 #include "engine/picture/extraction_plan.h"
 #include "scene/scene.h"

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/known_later.h"
-#include "data/coarse_error.h"
-#include "data/dataset.h"
+#include "data/dataset/dataset.h"
+#include "data/derived/coarse_error.h"
 #include "engine/picture/layer_request.h"
 #include "extraction/bricks/layer_bricks.h"
 #include "extraction/layers/extract_layers.h"

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "data/array_or_first.h"
+#include "data/dataset/array_or_first.h"
 #include "engine/picture/layer_request.h"
 #include "extraction/measure/components.h"
 #include "extraction/measure/measure_layers.h"

@@ -5,7 +5,7 @@
 #include <memory>
 #include <utility>
 
-#include "data/take_cells.h"
+#include "data/derived/take_cells.h"
 #include "engine/picture/extracted_scene.h"
 #include "engine/picture/layer_request.h"
 #include "engine/picture/ray_hit.h"

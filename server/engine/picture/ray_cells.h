@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/task.h"
-#include "data/grid.h"
+#include "data/grids/grid.h"
 #include "rendering/picture/view_ray.h"
 
 namespace isostrata {

@@ -5,9 +5,9 @@
 #include <limits>
 #include <utility>
 
-#include "data/array_or_first.h"
-#include "data/nearest_points.h"
-#include "data/take_cells.h"
+#include "data/dataset/array_or_first.h"
+#include "data/derived/nearest_points.h"
+#include "data/derived/take_cells.h"
 #include "engine/picture/layer_request.h"
 #include "engine/picture/ray_cells.h"
 #include "extraction/space_time/time_steps.h"

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "data/array_units.h"
+#include "data/values/array_units.h"
 #include "engine/picture/scene_styles.h"
 #include "scene/color_range.h"
 

@@ -7,8 +7,8 @@
 #include <string>
 #include <vector>
 
-#include "data/region.h"
-#include "data/statistics.h"
+#include "data/parts/region.h"
+#include "data/values/statistics.h"
 #include "engine/data/dataset_store.h"
 #include "engine/picture/extract_scene.h"
 #include "extraction/files/write_mesh.h"

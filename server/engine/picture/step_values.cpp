@@ -5,7 +5,7 @@
 #include <limits>
 #include <optional>
 
-#include "data/same_grid.h"
+#include "data/grids/same_grid.h"
 #include "engine/picture/ray_layers.h"
 #include "engine/picture/ray_stretch.h"
 

@@ -7,8 +7,8 @@
 #include <mutex>
 
 #include "base/task.h"
-#include "data/array.h"
-#include "data/grid.h"
+#include "data/grids/grid.h"
+#include "data/values/array.h"
 #include "extraction/bricks/active_bricks.h"
 #include "extraction/bricks/minmax_bricks.h"
 

@@ -2,7 +2,7 @@
 
 #include <type_traits>
 
-#include "data/for_each_scalar.h"
+#include "data/values/for_each_scalar.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "extraction/bricks/brick_simd.cpp"

@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "data/array.h"
-#include "data/grid.h"
+#include "data/grids/grid.h"
+#include "data/values/array.h"
 #include "extraction/bricks/active_bricks.h"
 #include "extraction/bricks/hexahedron_gather.h"
 #include "extraction/mesh/interval_mesh.h"

@@ -2,7 +2,7 @@
 
 #include <utility>
 
-#include "data/grid.h"
+#include "data/grids/grid.h"
 #include "extraction/cells/cell_geometry.h"
 #include "tables/cell_type.h"
 #include "tables/interval_table.h"

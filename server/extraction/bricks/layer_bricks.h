@@ -14,7 +14,7 @@
 #include <vector>
 
 #include "base/task.h"
-#include "data/dataset.h"
+#include "data/dataset/dataset.h"
 #include "extraction/bricks/active_bricks.h"
 #include "extraction/bricks/brick_writer.h"
 #include "extraction/cells/iso_rules.h"

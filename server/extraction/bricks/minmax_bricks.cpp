@@ -8,7 +8,7 @@
 #include <type_traits>
 
 #include "base/parallel.h"
-#include "data/kept_facts.h"
+#include "data/values/kept_facts.h"
 #include "extraction/bricks/brick_simd.h"
 
 namespace isostrata {

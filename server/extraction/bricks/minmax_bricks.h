@@ -7,8 +7,8 @@
 
 #include "base/buffer.h"
 #include "base/task.h"
-#include "data/array.h"
-#include "data/grid.h"
+#include "data/grids/grid.h"
+#include "data/values/array.h"
 #include "extraction/bricks/brick_layout.h"
 
 namespace isostrata {

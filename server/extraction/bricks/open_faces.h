@@ -4,8 +4,8 @@
 #include <array>
 #include <cstdint>
 
-#include "data/array.h"
-#include "data/grid.h"
+#include "data/grids/grid.h"
+#include "data/values/array.h"
 #include "extraction/bricks/active_bricks.h"
 #include "extraction/cells/active_cells.h"
 

@@ -3,8 +3,8 @@
 
 #include <span>
 
-#include "data/array.h"
-#include "data/grid.h"
+#include "data/grids/grid.h"
+#include "data/values/array.h"
 #include "extraction/bricks/brick_kernels.h"
 
 namespace isostrata {

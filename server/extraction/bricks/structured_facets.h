@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "base/task.h"
-#include "data/array.h"
-#include "data/grid.h"
+#include "data/grids/grid.h"
+#include "data/values/array.h"
 #include "extraction/bricks/active_bricks.h"
 #include "extraction/bricks/brick_writer.h"
 #include "extraction/mesh/interval_mesh.h"

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "base/task.h"
-#include "data/grid.h"
+#include "data/grids/grid.h"
 #include "extraction/bricks/active_bricks.h"
 #include "extraction/mesh/interval_mesh.h"
 

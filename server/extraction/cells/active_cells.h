@@ -8,8 +8,8 @@
 
 #include "base/parallel.h"
 #include "base/task.h"
-#include "data/array.h"
-#include "data/grid.h"
+#include "data/grids/grid.h"
+#include "data/values/array.h"
 #include "extraction/cells/iso_rules.h"
 
 namespace isostrata {

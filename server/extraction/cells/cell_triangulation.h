@@ -5,7 +5,7 @@
 #include <cstdint>
 #include <span>
 
-#include "data/grid.h"
+#include "data/grids/grid.h"
 #include "tables/area_table.h"
 #include "tables/interval_complex.h"
 #include "tables/interval_table.h"

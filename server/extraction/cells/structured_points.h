@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "base/task.h"
-#include "data/array.h"
-#include "data/grid.h"
+#include "data/grids/grid.h"
+#include "data/values/array.h"
 #include "extraction/cells/active_cells.h"
 #include "extraction/cells/iso_rules.h"
 #include "extraction/mesh/interval_mesh.h"

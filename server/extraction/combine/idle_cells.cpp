@@ -6,7 +6,7 @@
 #include <string>
 
 #include "base/parallel.h"
-#include "data/check_values.h"
+#include "data/values/check_values.h"
 
 namespace isostrata {
 namespace {

@@ -5,7 +5,7 @@
 #include <charconv>
 #include <cstring>
 
-#include "data/partition.h"
+#include "data/parts/partition.h"
 #include "extraction/files/vtk_xml.h"
 
 namespace isostrata {

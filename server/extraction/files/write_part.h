@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "base/task.h"
-#include "data/dataset.h"
-#include "data/take_region.h"
+#include "data/dataset/dataset.h"
+#include "data/parts/take_region.h"
 
 namespace isostrata {
 

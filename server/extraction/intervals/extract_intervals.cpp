@@ -6,7 +6,7 @@
 #include <string>
 
 #include "base/parallel.h"
-#include "data/check_values.h"
+#include "data/values/check_values.h"
 #include "extraction/bricks/extract_structured.h"
 #include "extraction/bricks/hexahedron_gather.h"
 #include "extraction/cells/active_cells.h"
@@ -20,9 +20,9 @@
 #include "extraction/facets/boundary_facets.h"
 #include "extraction/facets/weld_seams.h"
 #include "extraction/intervals/extract_areas.h"
+#include "extraction/intervals/strict_triangulation.h"
 #include "extraction/mesh/memory_budget.h"
 #include "extraction/mesh/open_ends.h"
-#include "extraction/intervals/strict_triangulation.h"
 #include "extraction/unstructured/extract_unstructured.h"
 
 namespace isostrata {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/task.h"
-#include "data/dataset.h"
+#include "data/dataset/dataset.h"
 #include "extraction/mesh/extract_options.h"
 #include "extraction/mesh/interval_mesh.h"
 

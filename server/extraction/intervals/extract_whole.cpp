@@ -8,7 +8,7 @@
 
 #include "base/finite.h"
 #include "base/parallel.h"
-#include "data/grid_sheets.h"
+#include "data/grids/grid_sheets.h"
 #include "extraction/cells/active_cells.h"
 #include "extraction/cells/cell_geometry.h"
 #include "extraction/cells/cell_triangulation.h"

@@ -17,8 +17,8 @@
 #include <span>
 
 #include "base/task.h"
-#include "data/array.h"
-#include "data/grid.h"
+#include "data/grids/grid.h"
+#include "data/values/array.h"
 #include "extraction/mesh/extract_options.h"
 #include "extraction/mesh/interval_mesh.h"
 

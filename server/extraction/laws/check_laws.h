@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "base/task.h"
-#include "data/array.h"
-#include "data/grid.h"
+#include "data/grids/grid.h"
+#include "data/values/array.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "extraction/mesh/interval_mesh.h"
 

@@ -5,7 +5,7 @@
 #include <utility>
 
 #include "base/stopwatch.h"
-#include "data/array_or_first.h"
+#include "data/dataset/array_or_first.h"
 #include "extraction/combine/combine_ranges.h"
 #include "extraction/mesh/memory_budget.h"
 #include "extraction/space_time/time_steps.h"

@@ -1,7 +1,7 @@
 #include "extraction/layers/extract_layers.h"
 
-#include "data/array_or_first.h"
-#include "data/nearest_points.h"
+#include "data/dataset/array_or_first.h"
+#include "data/derived/nearest_points.h"
 #include "extraction/combine/combine_ranges.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "extraction/intervals/extract_whole.h"

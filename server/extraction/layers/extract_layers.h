@@ -10,7 +10,7 @@
 #include <vector>
 
 #include "base/task.h"
-#include "data/dataset.h"
+#include "data/dataset/dataset.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "extraction/mesh/interval_mesh.h"
 #include "scene/field_values.h"

@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/task.h"
-#include "data/grid.h"
-#include "data/region_tree.h"
+#include "data/grids/grid.h"
+#include "data/grids/region_tree.h"
 #include "extraction/mesh/interval_mesh.h"
 
 namespace isostrata {

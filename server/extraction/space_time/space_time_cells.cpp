@@ -8,7 +8,7 @@
 
 #include "base/finite.h"
 #include "base/parallel.h"
-#include "data/check_values.h"
+#include "data/values/check_values.h"
 #include "extraction/cells/active_cells.h"
 #include "extraction/mesh/memory_budget.h"
 #include "extraction/space_time/time_steps.h"

@@ -13,7 +13,7 @@
 #include <vector>
 
 #include "base/task.h"
-#include "data/dataset.h"
+#include "data/dataset/dataset.h"
 #include "extraction/cells/cell_triangulation.h"
 #include "extraction/cells/iso_rules.h"
 

@@ -7,7 +7,7 @@
 #include <utility>
 
 #include "base/parallel.h"
-#include "data/check_values.h"
+#include "data/values/check_values.h"
 #include "extraction/cells/active_cells.h"
 #include "extraction/cells/cell_geometry.h"
 #include "extraction/cells/mesh_sums.h"

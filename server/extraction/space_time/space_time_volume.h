@@ -13,7 +13,7 @@
 
 #include "base/buffer.h"
 #include "base/task.h"
-#include "data/dataset.h"
+#include "data/dataset/dataset.h"
 #include "extraction/mesh/interval_mesh.h"
 #include "tables/interval_case.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 
 #include "base/task.h"
-#include "data/dataset.h"
+#include "data/dataset/dataset.h"
 
 namespace isostrata {
 

@@ -4,7 +4,7 @@
 #include <numeric>
 #include <set>
 
-#include "data/kernel_point.h"
+#include "data/grids/kernel_point.h"
 #include "extraction/cells/cell_geometry.h"
 
 namespace isostrata {

@@ -4,7 +4,7 @@
 #include <map>
 #include <utility>
 
-#include "data/kernel_point.h"
+#include "data/grids/kernel_point.h"
 #include "extraction/cells/cell_geometry.h"
 #include "extraction/cells/mesh_points.h"
 #include "tables/interval_complex.h"

@@ -8,8 +8,8 @@
 #include <span>
 #include <vector>
 
-#include "data/array.h"
-#include "data/grid.h"
+#include "data/grids/grid.h"
+#include "data/values/array.h"
 #include "extraction/cells/cell_point.h"
 #include "extraction/cells/iso_rules.h"
 #include "extraction/mesh/interval_mesh.h"

@@ -12,7 +12,7 @@
 
 #include "base/buffer.h"
 #include "base/task.h"
-#include "data/dataset.h"
+#include "data/dataset/dataset.h"
 #include "extraction/mesh/interval_mesh.h"
 
 namespace isostrata {

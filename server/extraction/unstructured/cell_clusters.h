@@ -7,7 +7,7 @@
 
 #include "base/buffer.h"
 #include "base/task.h"
-#include "data/grid.h"
+#include "data/grids/grid.h"
 
 namespace isostrata {
 

@@ -10,7 +10,7 @@
 #include <span>
 
 #include "base/task.h"
-#include "data/dataset.h"
+#include "data/dataset/dataset.h"
 #include "extraction/mesh/extract_options.h"
 #include "extraction/mesh/interval_mesh.h"
 #include "extraction/unstructured/ordered_tetrahedra.h"

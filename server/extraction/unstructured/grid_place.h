@@ -3,7 +3,7 @@
 
 #include <variant>
 
-#include "data/grid.h"
+#include "data/grids/grid.h"
 
 namespace isostrata {
 

@@ -10,8 +10,8 @@
 
 #include "base/task.h"
 #include "base/work.h"
-#include "data/array.h"
-#include "data/grid.h"
+#include "data/grids/grid.h"
+#include "data/values/array.h"
 #include "extraction/unstructured/grid_place.h"
 #include "extraction/unstructured/ordered_tetrahedra.h"
 

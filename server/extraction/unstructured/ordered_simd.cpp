@@ -2,7 +2,7 @@
 
 #include <cstring>
 
-#include "data/for_each_scalar.h"
+#include "data/values/for_each_scalar.h"
 
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "extraction/unstructured/ordered_simd.cpp"

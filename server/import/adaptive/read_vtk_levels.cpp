@@ -2,7 +2,7 @@
 #include <cstring>
 #include <set>
 
-#include "data/recognise.h"
+#include "data/files/recognise.h"
 #include "import/adaptive/leaf_block.h"
 #include "import/imported/list_file.h"
 #include "import/imported/read_file.h"

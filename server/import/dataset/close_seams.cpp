@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "data/grid_sheets.h"
+#include "data/grids/grid_sheets.h"
 
 namespace isostrata {
 namespace {

@@ -10,7 +10,7 @@
 #include <type_traits>
 
 #include "base/utf8.h"
-#include "data/import_door.h"
+#include "data/open/import_door.h"
 #include "import/bytes/mapped_file.h"
 #include "import/bytes/write_behind.h"
 #include "import/dataset/append_blocks.h"

@@ -1,5 +1,5 @@
 // isostrata-import: reads one time step of one foreign file and writes plain arrays, or makes a copy of itself for each that is to be read. What it has
-// no reader for becomes isostrata-import-all's, if it is there. Started by data/import_door.h only; what a reader says:
+// no reader for becomes isostrata-import-all's, if it is there. Started by data/open/import_door.h only; what a reader says:
 //   standard output   "progress FRACTION" lines
 //   standard error    one last line "error CODE MESSAGE" if it fails, exit status 1
 #include <sys/prctl.h>
@@ -20,9 +20,9 @@
 #include "base/parallel.h"
 #include "base/program_file.h"
 #include "base/spawn.h"
-#include "data/importer_request.h"
-#include "data/recognise.h"
-#include "data/zarr_folder.h"
+#include "data/files/recognise.h"
+#include "data/files/zarr_folder.h"
+#include "data/open/importer_request.h"
 #include "import/limits/confine.h"
 #ifdef ISOSTRATA_READS_ENSIGHT
 #include "import/meshes/ensight_quotes.h"

@@ -5,8 +5,8 @@
 #include <iterator>
 #include <utility>
 
-#include "data/file_series.h"
-#include "data/recognise.h"
+#include "data/files/file_series.h"
+#include "data/files/recognise.h"
 #include "import/images/read_nrrd.h"
 #include "import/imported/read_own.h"
 #include "import/meshes/read_plot3d.h"

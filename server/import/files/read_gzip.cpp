@@ -3,7 +3,7 @@
 #include <cstdio>
 #include <vector>
 
-#include "data/recognise.h"
+#include "data/files/recognise.h"
 #include "import/imported/read_file.h"
 #include "import/imported/read_own.h"
 

@@ -1,6 +1,6 @@
 #include <cstring>
 
-#include "data/recognise.h"
+#include "data/files/recognise.h"
 #include "import/imported/list_file.h"
 #include "import/imported/read_file.h"
 #include "import/imported/read_own.h"

@@ -9,9 +9,9 @@
 #include <string>
 #include <string_view>
 
-#include "data/decimal_names.h"
-#include "data/file_series.h"
-#include "data/recognise.h"
+#include "data/files/decimal_names.h"
+#include "data/files/file_series.h"
+#include "data/files/recognise.h"
 #include "import/adaptive/amrex_header.h"
 #include "import/imported/declared_time.h"
 #include "import/imported/list_file.h"

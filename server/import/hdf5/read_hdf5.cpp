@@ -14,7 +14,7 @@
 #include <tuple>
 #include <vector>
 
-#include "data/recognise.h"
+#include "data/files/recognise.h"
 #include "import/bytes/array_file.h"
 #include "import/bytes/mapped_file.h"
 #include "import/hdf5/hdf5_file.h"

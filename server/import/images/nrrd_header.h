@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "data/array.h"
+#include "data/values/array.h"
 
 namespace isostrata {
 

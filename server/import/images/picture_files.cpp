@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "base/load_module.h"
-#include "data/file_series.h"
-#include "data/recognise.h"
+#include "data/files/file_series.h"
+#include "data/files/recognise.h"
 #include "import/imported/place_image.h"
 #include "import/imported/read_own.h"
 #include "import/limits/memory_limit.h"

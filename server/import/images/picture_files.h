@@ -1,4 +1,4 @@
-// Picture files, page by page, as OpenImageIO reads them (data/page_reader.h), with errors that name the file.
+// Picture files, page by page, as OpenImageIO reads them (data/values/page_reader.h), with errors that name the file.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 #include <string>
 #include <vector>
 
-#include "data/page_reader.h"
+#include "data/values/page_reader.h"
 #include "import/imported/imported.h"
 
 namespace isostrata {

@@ -8,8 +8,8 @@
 #include <type_traits>
 #include <vector>
 
-#include "data/file_series.h"
-#include "data/recognise.h"
+#include "data/files/file_series.h"
+#include "data/files/recognise.h"
 #include "import/bytes/mapped_file.h"
 #include "import/images/dicom_header.h"
 #include "import/imported/place_image.h"

@@ -7,7 +7,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "data/array_units.h"
+#include "data/values/array_units.h"
 #include "import/bytes/swap_bytes.h"
 #include "import/images/fits_header.h"
 #include "import/images/fits_tiles.h"

@@ -16,8 +16,8 @@
 #include <string_view>
 #include <system_error>
 
-#include "data/nifti_mark.h"
-#include "data/recognise.h"
+#include "data/files/nifti_mark.h"
+#include "data/files/recognise.h"
 #include "import/imported/place_image.h"
 #include "import/imported/vtk_messages.h"
 #include "import/vtk/read_vtk.h"

@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "data/file_series.h"
+#include "data/files/file_series.h"
 #include "import/images/picture_files.h"
 #include "import/imported/read_own.h"
 

@@ -14,8 +14,8 @@
 #include <vector>
 
 #include "base/error.h"
-#include "data/array.h"
-#include "data/grid.h"
+#include "data/grids/grid.h"
+#include "data/values/array.h"
 
 namespace isostrata {
 
@@ -48,7 +48,7 @@ struct Block {
   std::int64_t added_points = 0;  // the last points of the grid are not in the file: cells were split about them
   std::array<bool, 3> seams{};    // by axis: the first and the last sheet of a curvilinear grid are the same places (close_seams.h)
   std::string name;               // what the file calls it; may be empty
-  FileArray global_points;        // int64, of a piece of a partition (data/partition.h): the numbers of its points in the whole; else without values
+  FileArray global_points;        // int64, of a piece of a partition (data/parts/partition.h): the numbers of its points in the whole; else without values
   bool jumps = false;             // a point array has other values on the two sides of a seam
   bool like = false;              // the grid is that of ReadRequest::like, and not given; all arrays are on its points
 };

@@ -46,7 +46,7 @@ Imported read_pvd(const ReadRequest& request);
 /// ParaView's list of files in JSON, "x.vtu.series".
 Imported read_series_file(const ReadRequest& request);
 
-/// Files that differ by numbers in their names: the request's file is their pattern, "plume_*.vtu" (data/file_series.h).
+/// Files that differ by numbers in their names: the request's file is their pattern, "plume_*.vtu" (data/files/file_series.h).
 Imported read_numbered(const ReadRequest& request);
 
 /// A tree of blocks, each a file below the list's directory.
@@ -64,7 +64,7 @@ Imported read_amrex(const ReadRequest& request);
 /// A file inside gzip, of a format that is one file. It is unpacked into request.scratch.
 Imported read_gzip(const ReadRequest& request);
 
-/// Loads what pictures are read with, if the file is one by its name or by kPictureVariable (data/recognise.h): once a process is confined it can load nothing.
+/// Loads what pictures are read with, if the file is one by its name or by kPictureVariable (data/files/recognise.h): once a process is confined it can load nothing.
 void prepare_pictures(const std::filesystem::path& file);
 
 /// One TIFF file; its pages are what ImageJ or OME-TIFF says that they are, else slices, as far as they are like the first.

@@ -20,7 +20,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "data/partition.h"
+#include "data/parts/partition.h"
 #include "import/bytes/parsed_number.h"
 #include "import/bytes/swap_bytes.h"
 

@@ -16,8 +16,8 @@
 #include "base/drop_capabilities.h"
 #include "base/error.h"
 #include "base/landlock.h"
-#include "data/beneath.h"
-#include "data/zarr_folder.h"
+#include "data/files/beneath.h"
+#include "data/files/zarr_folder.h"
 #include "import/limits/allowed_calls.h"
 #include "import/limits/opened_paths.h"
 

@@ -5,13 +5,13 @@
 #include <filesystem>
 #include <vector>
 
-#include "data/sandbox.h"
+#include "data/open/sandbox.h"
 
 namespace isostrata {
 
 struct Confinement {
   std::filesystem::path directory;  // may be read, at any depth, but for what is hidden in it and links out of it
-  std::filesystem::path file;       // may be read, also if it is a link out of the directory; not one out of its ROOT (data/beneath.h)
+  std::filesystem::path file;       // may be read, also if it is a link out of the directory; not one out of its ROOT (data/files/beneath.h)
   std::vector<std::filesystem::path> beside{};  // files that may be read as well, if they are not links
   std::filesystem::path output;     // may be read, and files may be made, written, cut and removed in it
   std::uint64_t memory_bytes = 0;   // of address space; also the largest file that may be written

@@ -18,7 +18,7 @@
 
 #include "base/descriptor.h"
 #include "base/pass_descriptors.h"
-#include "data/importer_request.h"
+#include "data/open/importer_request.h"
 
 namespace isostrata {
 namespace {

@@ -13,7 +13,7 @@
 #include <cstdlib>
 #include <string>
 
-#include "data/zarr_folder.h"
+#include "data/files/zarr_folder.h"
 
 namespace isostrata {
 namespace {

@@ -19,7 +19,7 @@ struct CollatedCase {
   std::vector<std::string> regions;            // folders with a mesh, below those of times and "constant"; "" is the only one of most cases
 };
 
-/// folders: openfoam_parts of data/openfoam_case.h. From the names in them alone. Throws bad_data if they are not all there, or have no time in common; too_large if there are too many.
+/// folders: openfoam_parts of data/files/openfoam_case.h. From the names in them alone. Throws bad_data if they are not all there, or have no time in common; too_large if there are too many.
 CollatedCase collated_case(const std::vector<std::filesystem::path>& folders, const std::string& name);
 
 /// The folders that take_apart writes into, in request.scratch, of a file that is such a case; else nothing. For whoever may soon make no more folders.

@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-#include "data/array.h"
+#include "data/values/array.h"
 #include "import/imported/imported.h"
 
 namespace isostrata {

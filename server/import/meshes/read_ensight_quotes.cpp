@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "base/error.h"
-#include "data/recognise.h"
+#include "data/files/recognise.h"
 #include "import/bytes/parsed_number.h"
 
 namespace isostrata {

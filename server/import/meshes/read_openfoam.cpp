@@ -13,8 +13,8 @@
 #include <utility>
 #include <vector>
 
-#include "data/openfoam_case.h"
-#include "data/recognise.h"
+#include "data/files/openfoam_case.h"
+#include "data/files/recognise.h"
 #include "import/imported/vtk_messages.h"
 #include "import/meshes/openfoam_collated.h"
 #include "import/meshes/openfoam_originals.h"

@@ -9,7 +9,7 @@
 #include <system_error>
 #include <utility>
 
-#include "data/openfoam_case.h"
+#include "data/files/openfoam_case.h"
 #include "import/bytes/mapped_file.h"
 #include "import/bytes/parsed_number.h"
 #include "import/meshes/openfoam_collated.h"

@@ -3,7 +3,7 @@
 #include <string_view>
 #include <system_error>
 
-#include "data/openfoam_case.h"
+#include "data/files/openfoam_case.h"
 #include "import/meshes/openfoam_originals.h"
 
 namespace isostrata {

@@ -10,7 +10,7 @@
 #include <tuple>
 #include <utility>
 
-#include "data/recognise.h"
+#include "data/files/recognise.h"
 
 namespace isostrata {
 namespace {

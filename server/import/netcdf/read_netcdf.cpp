@@ -24,7 +24,7 @@
 #include <variant>
 #include <vector>
 
-#include "data/array_units.h"
+#include "data/values/array_units.h"
 #include "import/bytes/mapped_file.h"
 #include "import/imported/read_own.h"
 #include "import/imported/vtk_messages.h"

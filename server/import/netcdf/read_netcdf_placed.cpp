@@ -12,7 +12,7 @@
 #include <utility>
 #include <vector>
 
-#include "data/array_units.h"
+#include "data/values/array_units.h"
 #include "import/imported/read_own.h"
 #include "import/netcdf/cf_axes.h"
 #include "import/netcdf/netcdf_axes.h"

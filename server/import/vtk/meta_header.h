@@ -10,7 +10,7 @@
 #include <string_view>
 #include <vector>
 
-#include "data/array.h"
+#include "data/values/array.h"
 
 namespace isostrata {
 

@@ -15,7 +15,7 @@
 #include <fstream>
 #include <string_view>
 
-#include "data/import_door.h"
+#include "data/open/import_door.h"
 #include "import/bytes/parsed_number.h"
 #include "import/imported/declared_time.h"
 #include "import/imported/vtk_messages.h"

@@ -37,7 +37,7 @@
 #include <utility>
 #include <vector>
 
-#include "data/recognise.h"
+#include "data/files/recognise.h"
 #include "import/bytes/mapped_file.h"
 #include "import/bytes/parsed_number.h"
 #include "import/imported/declared_time.h"

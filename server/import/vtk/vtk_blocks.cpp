@@ -31,7 +31,7 @@
 #include <tuple>
 #include <type_traits>
 
-#include "data/partition.h"
+#include "data/parts/partition.h"
 #include "import/vtk/vtk_cells.h"
 
 namespace isostrata {

@@ -19,8 +19,8 @@
 #include <boost/container_hash/hash.hpp>
 
 #include "base/error.h"
-#include "data/hull_faces.h"
-#include "data/split_polyhedron.h"
+#include "data/grids/hull_faces.h"
+#include "data/grids/split_polyhedron.h"
 #include "import/vtk/cell_checks.h"
 #include "import/vtk/cell_counts.h"
 #include "import/vtk/divide_cell.h"

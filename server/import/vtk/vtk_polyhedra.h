@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "data/split_polyhedron.h"
+#include "data/grids/split_polyhedron.h"
 #include "import/vtk/cell_checks.h"
 
 class vtkUnstructuredGrid;

@@ -3,7 +3,7 @@
 
 #include <vtkType.h>
 
-#include "data/array.h"
+#include "data/values/array.h"
 
 namespace isostrata {
 

@@ -14,7 +14,7 @@
 #include <string_view>
 #include <vector>
 
-#include "data/recognise.h"
+#include "data/files/recognise.h"
 #include "import/bytes/parsed_number.h"
 #include "import/xdmf/xdmf_grid.h"
 

@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <string>
 
-#include "data/recognise.h"
+#include "data/files/recognise.h"
 #include "import/bytes/xml_path.h"
 #include "import/imported/vtk_messages.h"
 

@@ -9,7 +9,7 @@
 #include <type_traits>
 #include <utility>
 
-#include "data/recognise.h"
+#include "data/files/recognise.h"
 #include "import/bytes/parsed_number.h"
 #include "import/bytes/swap_bytes.h"
 #include "import/hdf5/hdf5_file.h"

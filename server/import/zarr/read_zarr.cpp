@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "data/zarr_folder.h"
+#include "data/files/zarr_folder.h"
 #include "import/imported/place_image.h"
 #include "import/imported/read_own.h"
 #include "import/zarr/zarr_array.h"

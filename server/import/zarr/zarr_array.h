@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-#include "data/array.h"
+#include "data/values/array.h"
 #include "import/zarr/zarr_codecs.h"
 #include "import/zarr/zarr_store.h"
 

@@ -9,7 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "data/array_units.h"
+#include "data/values/array_units.h"
 #include "import/netcdf/cf_axes.h"
 #include "import/netcdf/cf_curved.h"
 #include "import/zarr/zarr_array.h"

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "data/recognise.h"
+#include "data/files/recognise.h"
 #include "import/imported/imported.h"
 #include "import/zarr/zarr_json.h"
 

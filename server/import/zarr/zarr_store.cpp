@@ -12,7 +12,7 @@
 
 #include "base/descriptor.h"
 #include "base/error.h"
-#include "data/beneath.h"
+#include "data/files/beneath.h"
 
 namespace isostrata {
 namespace {

@@ -15,7 +15,7 @@ namespace isostrata {
 
 class ZarrStore {
  public:
-  /// Throws not_found if the folder is not there. `folder` may be marked (data/beneath.h).
+  /// Throws not_found if the folder is not there. `folder` may be marked (data/files/beneath.h).
   explicit ZarrStore(const std::filesystem::path& folder);
 
   /// What errors call the folder: its name.

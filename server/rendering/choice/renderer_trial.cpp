@@ -8,7 +8,7 @@
 
 #include "base/error.h"
 #include "base/stopwatch.h"
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "rendering/compute/compute_renderer.h"
 #include "rendering/raster/gl_renderer.h"

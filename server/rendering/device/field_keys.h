@@ -9,7 +9,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "data/array.h"
+#include "data/values/array.h"
 #include "extraction/cells/iso_rules.h"
 #include "rendering/gl/layout.h"
 

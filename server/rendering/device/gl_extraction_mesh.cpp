@@ -5,7 +5,7 @@
 
 #include "base/error.h"
 #include "base/parallel.h"
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/cells/cell_geometry.h"
 #include "extraction/cells/cell_triangulation.h"
 #include "extraction/cells/mesh_points.h"

@@ -33,8 +33,8 @@
 #include <vector>
 
 #include "base/task.h"
-#include "data/array.h"
-#include "data/grid.h"
+#include "data/grids/grid.h"
+#include "data/values/array.h"
 #include "extraction/cells/iso_rules.h"
 #include "rendering/device/gl_field.h"
 #include "rendering/gl/gl_compute.h"

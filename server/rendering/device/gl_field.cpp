@@ -6,7 +6,7 @@
 #include "base/error.h"
 #include "base/parallel.h"
 #include "base/stopwatch.h"
-#include "data/check_values.h"
+#include "data/values/check_values.h"
 #include "rendering/shader_sources.h"
 
 namespace isostrata {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "base/task.h"
-#include "data/array.h"
-#include "data/grid.h"
+#include "data/grids/grid.h"
+#include "data/values/array.h"
 #include "rendering/device/field_keys.h"
 #include "rendering/gl/gl_compute.h"
 

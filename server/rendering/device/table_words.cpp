@@ -1,6 +1,6 @@
 #include "rendering/device/table_words.h"
 
-#include "data/grid.h"
+#include "data/grids/grid.h"
 #include "rendering/gl/layout.h"
 #include "tables/interval_table.h"
 

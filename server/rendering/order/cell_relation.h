@@ -4,7 +4,7 @@
 #include <cstdint>
 
 #include "base/buffer.h"
-#include "data/grid.h"
+#include "data/grids/grid.h"
 #include "rendering/order/face_graph.h"
 #include "scene/camera.h"
 

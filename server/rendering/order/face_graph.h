@@ -12,7 +12,7 @@
 #include <vector>
 
 #include "base/buffer.h"
-#include "data/grid.h"
+#include "data/grids/grid.h"
 
 namespace isostrata {
 

@@ -10,7 +10,7 @@
 #include <memory>
 
 #include "base/buffer.h"
-#include "data/grid.h"
+#include "data/grids/grid.h"
 #include "rendering/order/face_graph.h"
 #include "scene/camera.h"
 

@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "data/grid.h"
+#include "data/grids/grid.h"
 #include "extraction/mesh/interval_mesh.h"
 #include "rendering/order/face_graph.h"
 #include "scene/camera.h"

@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/image.h"
-#include "data/grid.h"
+#include "data/grids/grid.h"
 #include "extraction/mesh/interval_mesh.h"
 #include "extraction/surfaces/base_tetrahedra.h"
 #include "scene/camera.h"

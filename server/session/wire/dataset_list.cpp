@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/unix_time.h"
-#include "data/recognise.h"
+#include "data/files/recognise.h"
 
 namespace isostrata {
 namespace {

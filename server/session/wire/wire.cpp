@@ -1,7 +1,7 @@
 #include "session/wire/wire.h"
 
 #include "base/utf8.h"
-#include "data/array_units.h"
+#include "data/values/array_units.h"
 
 namespace isostrata {
 namespace {

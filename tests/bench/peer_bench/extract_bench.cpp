@@ -5,7 +5,7 @@
 #include <cstdio>
 
 #include "base/parallel.h"
-#include "data/read_once.h"
+#include "data/values/read_once.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "our_extraction.h"
 #include "paraview_peer.h"

@@ -24,7 +24,7 @@ struct ReadCost {
 struct ReadRow {
   std::string file;
   std::uint64_t bytes = 0;
-  ReadCost cold, kept, vtk;  // ours with nothing kept, ours once what was read is kept (data/import_cache.h), VTK's
+  ReadCost cold, kept, vtk;  // ours with nothing kept, ours once what was read is kept (data/open/import_cache.h), VTK's
 };
 
 /// Throws what either side says of the file.

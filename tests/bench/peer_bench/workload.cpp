@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "base/parallel.h"
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 
 namespace isostrata::peers {
 namespace {

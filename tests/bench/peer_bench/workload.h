@@ -6,7 +6,7 @@
 #include <string>
 
 #include "base/task.h"
-#include "data/dataset.h"
+#include "data/dataset/dataset.h"
 #include "extraction/mesh/interval_mesh.h"
 
 namespace isostrata::peers {

@@ -6,7 +6,7 @@
 #include <chrono>
 #include <filesystem>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "engine/engine/engine.h"
 #include "engine/heard_events.h"
 #include "support/plain_renderer.h"

@@ -9,7 +9,7 @@
 #include <filesystem>
 #include <future>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "engine/heard_events.h"
 #include "extraction/bricks/brick_memory.h"
 #include "support/temporary_folder.h"

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 
 namespace isostrata {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "engine/picture/extract_scene.h"
 #include "extraction/bricks/brick_memory.h"
 

@@ -8,7 +8,7 @@
 #include <variant>
 #include <vector>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "engine/picture/draw_input.h"
 #include "engine/picture/extract_scene.h"
 #include "support/test_device.h"

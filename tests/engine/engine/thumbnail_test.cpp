@@ -9,8 +9,8 @@
 #include <optional>
 #include <set>
 
-#include "data/import_cache.h"
-#include "data/sandbox.h"
+#include "data/open/import_cache.h"
+#include "data/open/sandbox.h"
 #include "encoding/image_file.h"
 #include "engine/engine/engine.h"
 #include "engine/first/first_scene.h"

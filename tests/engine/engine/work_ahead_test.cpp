@@ -5,7 +5,7 @@
 
 #include <future>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/surfaces/base_tetrahedra.h"
 
 namespace isostrata {

@@ -7,8 +7,8 @@
 #include <tuple>
 
 #include "base/parallel.h"
-#include "data/analytic.h"
-#include "data/series_ranges.h"
+#include "data/dataset/analytic.h"
+#include "data/derived/series_ranges.h"
 #include "engine/first/choose_array.h"
 #include "engine/first/find_labels.h"
 #include "engine/first/find_missing.h"

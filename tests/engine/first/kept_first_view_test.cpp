@@ -4,8 +4,8 @@
 
 #include <fstream>
 
-#include "data/analytic.h"
-#include "data/kept_facts.h"
+#include "data/dataset/analytic.h"
+#include "data/values/kept_facts.h"
 #include "support/temporary_folder.h"
 
 namespace isostrata {

@@ -1,7 +1,7 @@
 // Scenes whose meshes renderer compute makes on its device, against those of a mesh, from the scene to the picture.
 #include <gtest/gtest.h>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "engine/picture/draw_input.h"
 #include "engine/picture/extract_scene.h"
 #include "engine/picture/interval_facts.h"

@@ -6,7 +6,7 @@
 #include <functional>
 #include <limits>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "engine/picture/extract_scene.h"
 #include "engine/picture/without_mesh.h"
 #include "extraction/bricks/brick_memory.h"

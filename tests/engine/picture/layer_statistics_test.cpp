@@ -8,7 +8,7 @@
 #include <numbers>
 #include <random>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "engine/picture/layer_request.h"
 #include "support/field_dataset.h"
 #include "support/steps_of.h"

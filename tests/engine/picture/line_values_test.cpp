@@ -10,7 +10,7 @@
 #include <optional>
 #include <random>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "engine/picture/layer_request.h"
 #include "engine/picture/step_values.h"
 #include "support/field_dataset.h"

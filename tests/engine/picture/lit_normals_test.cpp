@@ -1,7 +1,7 @@
 // Normals along the gradient are made where surfaces are lit by them, and nowhere else.
 #include <gtest/gtest.h>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "engine/engine/engine.h"
 #include "engine/picture/draw_input.h"
 #include "engine/picture/extract_scene.h"

@@ -10,8 +10,8 @@
 #include <optional>
 #include <random>
 
-#include "data/analytic.h"
-#include "data/scaled_dataset.h"
+#include "data/dataset/analytic.h"
+#include "data/derived/scaled_dataset.h"
 #include "engine/picture/draw_input.h"
 #include "engine/picture/extract_scene.h"
 #include "rendering/choice/native_renderer.h"

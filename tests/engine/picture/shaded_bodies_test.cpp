@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "engine/picture/draw_input.h"
 #include "engine/picture/extract_scene.h"
 #include "engine/picture/layer_request.h"

@@ -6,7 +6,7 @@
 #include <limits>
 #include <tuple>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/bricks/brick_memory.h"
 #include "extraction/cells/active_cells.h"
 #include "extraction/small_grids.h"

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <limits>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/bricks/brick_memory.h"
 #include "extraction/bricks/extract_structured.h"
 #include "extraction/small_grids.h"

@@ -7,7 +7,7 @@
 #include <tuple>
 
 #include "base/parallel.h"
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/small_grids.h"
 
 namespace isostrata {

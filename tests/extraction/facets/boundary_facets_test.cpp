@@ -3,7 +3,7 @@
 #include <map>
 #include <tuple>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/small_grids.h"
 
 namespace isostrata {

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <memory>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/facets/boundary_facets.h"
 #include "extraction/laws/check_laws.h"
 #include "extraction/small_grids.h"

@@ -10,7 +10,7 @@
 #include <fstream>
 #include <sstream>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/files/output_file.h"
 #include "extraction/files/vtk_xml.h"
 #include "extraction/small_grids.h"

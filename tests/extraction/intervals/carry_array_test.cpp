@@ -1,7 +1,7 @@
 #include <cmath>
 #include <limits>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/small_grids.h"
 
 namespace isostrata {

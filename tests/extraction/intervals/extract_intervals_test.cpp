@@ -7,7 +7,7 @@
 #include <thread>
 
 #include "base/parallel.h"
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/same_mesh.h"
 #include "extraction/small_grids.h"
 #include "tables/lattice_cell.h"

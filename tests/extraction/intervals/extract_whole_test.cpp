@@ -7,7 +7,7 @@
 #include <random>
 
 #include "base/parallel.h"
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/laws/check_laws.h"
 #include "extraction/layers/extract_layers.h"
 #include "extraction/layers/own_points.h"

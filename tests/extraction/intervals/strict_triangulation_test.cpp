@@ -5,7 +5,7 @@
 #include <set>
 
 #include "base/parallel.h"
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/layers/extract_layers.h"
 #include "extraction/small_grids.h"
 #include "extraction/strict/star_cell.h"

@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <map>
 
-#include "data/take_region.h"
+#include "data/parts/take_region.h"
 #include "extraction/bricks/brick_memory.h"
 #include "extraction/bricks/layer_bricks.h"
 #include "extraction/intervals/extract_intervals.h"

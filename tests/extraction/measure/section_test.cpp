@@ -6,7 +6,7 @@
 #include <numbers>
 #include <random>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/layers/extract_layers.h"
 #include "extraction/measure/linear_layers.h"
 #include "extraction/measure/measure_layers.h"

@@ -2,7 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/intervals/extract_intervals.h"
 
 namespace isostrata {

@@ -5,7 +5,7 @@
 #include <ranges>
 
 #include "base/parallel.h"
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/small_grids.h"
 
 namespace isostrata {

@@ -6,7 +6,7 @@
 #include <map>
 
 #include "base/parallel.h"
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/same_mesh.h"
 #include "extraction/small_grids.h"
 #include "extraction/unstructured/ordered_memory.h"

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/intervals/extract_intervals.h"
 
 namespace isostrata {

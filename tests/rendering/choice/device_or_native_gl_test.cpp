@@ -3,7 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/bricks/brick_memory.h"
 #include "extraction/bricks/layer_bricks.h"
 #include "extraction/intervals/extract_intervals.h"

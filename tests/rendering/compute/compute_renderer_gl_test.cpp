@@ -9,7 +9,7 @@
 #include <random>
 
 #include "base/error.h"
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "rendering/choice/renderer_trial.h"
 #include "rendering/compute/compute_renderer.h"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "rendering/compute/compute_renderer.h"
 #include "rendering/raster/gl_renderer.h"

@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "rendering/order/visibility_order.h"
 #include "support/order_errors.h"

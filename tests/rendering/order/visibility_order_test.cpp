@@ -4,7 +4,7 @@
 
 #include <random>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "rendering/order/cell_order.h"
 #include "support/box_mesh.h"

@@ -3,7 +3,7 @@
 
 #include <gtest/gtest.h>
 
-#include "data/analytic.h"
+#include "data/dataset/analytic.h"
 #include "extraction/intervals/extract_intervals.h"
 #include "support/oracle.h"
 #include "support/pictures.h"

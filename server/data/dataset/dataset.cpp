@@ -1,0 +1,23 @@
+#include "data/dataset/dataset.h"
+
+#include <string>
+#include <vector>
+
+#include "base/nearest_name.h"
+#include "data/dataset/analytic.h"
+
+namespace isostrata {
+
+const PointArray& Dataset::array(std::string_view wanted) const {
+  std::string all;
+  std::vector<std::string> names;
+  for (const PointArray& candidate : arrays) {
+    if (candidate.name == wanted) return candidate;
+    all += (all.empty() ? "" : ", ") + candidate.name;
+    names.push_back(candidate.name);
+  }
+  const std::string meant = did_you_mean(wanted, names);
+  throw Error(ErrorCode::not_found, name + ": no array '" + std::string(wanted) + "'; " + (all.empty() ? "it has no point or cell arrays" : "it has " + all) + (meant.empty() ? "" : "." + meant));
+}
+
+}  // namespace isostrata
