@@ -4,7 +4,9 @@ import App from './App.svelte';
 import './style.css';
 import { calm } from './lib/calm';
 import { Connection, type NotOpened, type Socket } from './lib/connection';
+import { Exports } from './lib/exports.svelte';
 import { browserProbe, probeDecoders } from './lib/probe-decoders';
+import { giveFile } from './lib/save-blob';
 import { SavedTab } from './lib/saved';
 import { Session } from './lib/session.svelte';
 import { ThemeChoice } from './lib/theme.svelte';
@@ -29,6 +31,12 @@ const thumbnails = new Thumbnails({
   ask: (dataset, signal) => fetch(apiUrl(`datasets/${encodeURIComponent(dataset)}/thumbnail`), { signal }),
   urlOf: (picture) => URL.createObjectURL(picture),
   forget: (url) => URL.revokeObjectURL(url),
+});
+
+const exports = new Exports({
+  ask: (path, method, body) => fetch(apiUrl(path), { method, ...(body ? { body, headers: { 'Content-Type': 'application/json' } } : {}) }),
+  give: (path) => giveFile(apiUrl(path).href, ''),
+  wait: (ms) => new Promise((done) => setTimeout(done, ms)),
 });
 
 /** A refused handshake looks like a dead server to a page; plain HTTP tells the two apart. */
@@ -80,7 +88,7 @@ const session = new Session({
   refines: wanted.get('samples') !== '1',
 });
 
-mount(App, { target: document.getElementById('app') as HTMLElement, props: { session, theme, thumbnails } });
+mount(App, { target: document.getElementById('app') as HTMLElement, props: { session, theme, thumbnails, exports } });
 if (document.hidden) session.setHidden(true); // opened in a background tab
 session.start();
 setInterval(() => session.heartbeat(), 2000);

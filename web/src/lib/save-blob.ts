@@ -1,11 +1,16 @@
 // Hands a file to the person.
 
-export function saveBlob(blob: Blob, name: string): void {
-  const url = URL.createObjectURL(blob);
+/** name: empty: as the address's own answer says. */
+export function giveFile(url: string, name: string): void {
   const link = document.createElement('a');
   link.href = url;
   link.download = name;
   link.click();
+}
+
+export function saveBlob(blob: Blob, name: string): void {
+  const url = URL.createObjectURL(blob);
+  giveFile(url, name);
   // The browser has to have begun reading before the address goes.
   setTimeout(() => URL.revokeObjectURL(url), 10_000);
 }
