@@ -2,7 +2,7 @@
 import { copyFileSync, mkdirSync, mkdtempSync, rmSync, writeFileSync } from 'node:fs';
 import { tmpdir } from 'node:os';
 import { join } from 'node:path';
-import type { Browser } from 'playwright-core';
+import type { Browser, Locator } from 'playwright-core';
 import { afterAll, afterEach, beforeAll, describe, expect, test } from 'vitest';
 import { netcdf } from './netcdf';
 import { repository, Server } from './server';
@@ -131,6 +131,19 @@ describe('the page’s tools', () => {
     await expect.poll(() => page.getByRole('region', { name: /: statistics$/ }).innerText()).toMatch(/Mean\s+-?[\d.]+ m s-1/);
     await viewer.photograph('units.png');
     expect(viewer.problems).toEqual([]);
+  });
+
+  test('with forced colours the layers keep theirs, and what is pressed can be told from what is not', async () => {
+    await open(/torus/);
+    await viewer.page.emulateMedia({ forcedColors: 'active' });
+    const style = (of: Locator, name: string) => of.evaluate((element, property) => getComputedStyle(element).getPropertyValue(property), name);
+    const [first] = viewer.state.intervals;
+    expect(await style(viewer.row(first!).locator('.swatch'), 'forced-color-adjust')).toBe('none');
+    expect(await style(viewer.thumb(first!, 'lower'), 'forced-color-adjust')).toBe('none');
+    const depth = viewer.page.getByRole('radio', { name: 'Depth' });
+    const priority = viewer.page.getByRole('radio', { name: 'Priority' });
+    for (const name of ['background-color', 'color']) expect(await style(depth, name)).not.toBe(await style(priority, name));
+    await viewer.photograph('forced-colors.png');
   });
 
   test('with a cut the numbers of a layer are said to be of all of it', async () => {
