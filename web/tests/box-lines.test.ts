@@ -69,3 +69,12 @@ test('an axis that is drawn longer has the places of the dataset on it, and says
   const places = (of: typeof plain) => of.labels.filter((label) => label.kind === 'tick').map((label) => Math.abs(Number(label.text.replace('−', '-'))));
   expect(Math.max(...places(drawn))).toBeGreaterThan(50 * Math.max(...places(plain)));
 });
+
+test('while the camera is still that of a dataset a thousand billion billion times smaller, every line is a number', () => {
+  const near: Camera = { eye: [3e-9, 2e-9, 1e-9], at: [0, 0, 0], up: [0, 1, 0.1], fovDeg: 30 };
+  for (const size of [1e-9, 1, 1e12]) {
+    const { edges, labels, ticks } = boxLines(near, { lower: [-size, 0.1 * size, -3 * size], upper: [size, 2 * size, 0.3 * size] }, 800, 600);
+    for (const of of [...edges, ...ticks]) expect([of.x1, of.y1, of.x2, of.y2].every(Number.isFinite)).toBe(true);
+    for (const of of labels) expect(Number.isFinite(of.x + of.y)).toBe(true);
+  }
+});

@@ -135,6 +135,10 @@ describe('a place in words', () => {
   test('numbers have the digits in which neighbours differ, and what is copied has all', () => {
     expect(precisely(0.123456789)).toBe('0.1234568');
     expect(precisely(-0)).toBe('0');
+    expect(precisely(1000000.0007, 0.0017)).toBe('1000000.0007'); // all values lie so near to each other
+    expect(precisely(101325.0234567, 1e5)).toBe('101325.02');
+    expect(precisely(0.1, Number.MIN_VALUE)).toBe('0.1');
+    for (const value of [3.5e-31, 7e29]) expect(precisely(value, 1e30)).toBe(String(value));
     expect(precisely(null)).toBe('no number');
     const text = probeText(found(1, { position: [1 / 3, 0, 0] }), scene);
     expect(text.split('\n')).toEqual([

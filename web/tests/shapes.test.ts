@@ -48,6 +48,8 @@ test('numbers are short and right to the digits shown', () => {
   expect(formatNumber(-2.4e10)).toBe('-2.4e10');
   expect(formatNumber(0.00001234)).toBe('1.234e-5');
   expect(formatNumber(123456)).toBe('123460');
+  expect([1e6, 1234567, 2451545.25, 1e21].map((value) => formatNumber(value, 9))).toEqual(['1e6', '1234567', '2451545.25', '1e21']);
+  expect(formatRange(1000000.0001, 1000000.0017)).toEqual(['1000000.0001', '1000000.0017']);
   expect(formatNumber(Number.NaN)).toBe('NaN');
   expect(formatNumber(Infinity)).toBe('∞');
   expect(formatNumber(-Infinity)).toBe('−∞');

@@ -47,7 +47,10 @@ export function projectSegment(
   let a = viewFromWorld(camera, axes, from);
   let b = viewFromWorld(camera, axes, to);
   if (a[2] > near && b[2] > near) return null;
-  const cut = (p: Vec3, q: Vec3): Vec3 => add(p, scale(sub(q, p), (near - p[2]) / (q[2] - p[2])));
+  const cut = (p: Vec3, q: Vec3): Vec3 => {
+    const [x, y] = add(p, scale(sub(q, p), (near - p[2]) / (q[2] - p[2])));
+    return [x, y, near]; // which rounding would lose far from the eye
+  };
   if (a[2] > near) a = cut(a, b);
   else if (b[2] > near) b = cut(b, a);
   return [screenFromView(camera, width, height, a), screenFromView(camera, width, height, b)];

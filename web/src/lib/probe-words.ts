@@ -21,10 +21,11 @@ export const endWords: Record<ProbeResult['end'], string> = {
   eye: 'the eye is inside',
 };
 
-/** A number as it is read, of so many digits that neighbouring pixels differ. */
-export function precisely(value: number | null): string {
+/** A number as it is read, of so many digits that neighbouring pixels differ, also if all values are near to each other: within `span`. */
+export function precisely(value: number | null, span = 0): string {
   if (value === null) return 'no number';
-  const short = Number(value.toPrecision(7));
+  const more = span > 0 && Math.abs(value) > span ? Math.ceil(Math.log10(Math.abs(value) / span)) : 0;
+  const short = Number(value.toPrecision(Math.min(7 + more, 17)));
   return Object.is(short, -0) ? '0' : String(short);
 }
 

@@ -26,8 +26,9 @@ export function formatNumber(value: number, digits = 5): string {
   if (value === 0) return '0';
   const short = Number(value.toPrecision(digits));
   const size = Math.abs(short);
-  if (size >= 1e6 || size < 1e-4) return short.toExponential().replace('e+', 'e');
-  return String(short);
+  const [plain, power] = [String(short), short.toExponential().replace('e+', 'e')];
+  // Many digits are easier to read in their places: 1000000.0001.
+  return size < 1e-4 || (size >= 1e6 && plain.length + 1 >= power.length) ? power : plain;
 }
 
 /** Of a tick, which is round: the whole of it. */
