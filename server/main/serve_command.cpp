@@ -21,10 +21,10 @@
 #include "base/parallel.h"
 #include "main/arguments.h"
 #include "main/commands.h"
-#include "main/config_file.h"
 #include "main/picture_arguments.h"
 #include "main/ranks.h"
 #include "main/sandbox_option.h"
+#include "main/serve_arguments.h"
 #include "main/server_log.h"
 #include "main/shut_in.h"
 #include "main/systemd.h"
@@ -41,34 +41,6 @@ namespace fs = std::filesystem;
 namespace json = boost::json;
 
 constexpr std::size_t kTokenBits = 256;
-
-struct ServeArguments {
-  std::vector<std::string> paths;
-  std::vector<std::string> data_roots;
-  std::string host = "127.0.0.1";
-  int port = 8080;
-  std::string socket;
-  std::string base_url = "/";
-  std::string token;
-  std::string token_file;
-  bool no_auth = false;
-  std::vector<std::string> allowed_hosts;
-  std::string tls_certificate, tls_key;
-  std::string renderer = "auto", device = "auto";
-  std::size_t max_sessions = 32;
-  std::size_t max_viewers = 64;
-  std::string max_viewer_size = "4096x2160";
-  std::string state_dir;
-  long session_ttl_s = 600;
-  long idle_timeout_s = 0;
-  std::uint64_t max_memory = 8ull << 30;
-  int threads = 0;
-  std::string ranks;
-  std::string ready_file;
-  std::string log_format = "text";
-  std::string web_root;
-  std::string watch = "auto";
-};
 
 std::string read_token_file(const std::string& path) {
   std::ifstream file(path);
@@ -187,6 +159,42 @@ int take_passed_socket(ServeArguments& arguments, ServerLog& log) {
   return passed->descriptor;
 }
 
+/// The built-in fields, or what lies at the paths now and later.
+void offer_data(ServerOptions& options, const std::vector<std::string>& sources, bool inotify, ServerLog& log) {
+  if (sources.empty()) {
+    options.engine.catalogue = Catalogue::analytic();
+    return;
+  }
+  LivingOptions living;
+  living.watch.inotify = inotify;
+  options.living = std::make_shared<LivingCatalogue>(sources, living);
+  const std::shared_ptr<const Catalogue> found = options.living->now();
+  options.engine.catalogue = *found;  // what is there at the start, for the first worker and those that replace it; what comes later is told
+  if (found->entries().empty()) log.warn("no_data", "none of the paths holds a file that can be opened yet");
+  if (found->cut_off()) log.warn("too_many_files", "there are more files than are looked at (200000, 8 folders deep); name a smaller directory to see others");
+  log.info("watching", "changes of files are noticed by " + options.living->how());
+}
+
+void warn_of(const ServerOptions& options, const ServeArguments& arguments, ServerLog& log) {
+  if (arguments.no_auth) log.warn("no_auth", "NO TOKEN IS ASKED FOR: whoever reaches the port may use the server");
+  if (options.socket.empty() && !loopback(arguments.host))
+    log.warn("not_loopback", "listening on " + arguments.host + ": the port is open to the network" +
+                                 (arguments.tls_certificate.empty() ? ", unencrypted; an ssh tunnel to 127.0.0.1 is safer" : ""));
+  if (!StaticFiles(options.web_root).built())
+    log.warn("no_page", "the web page is not built (npm ci && npm run build in web/), only the API is served");
+}
+
+void tell_device(const Server& server, const std::string& server_shut_in, ServerLog& log) {
+  log.info("device", "drawing on " + server.engine().device());
+  if (sandbox() != Sandbox::off)
+    log.info("shut_in", "kept to their own files: the server by " + or_nothing(server_shut_in) + ", the process that draws by " +
+                            or_nothing(server.engine().facts().shut_in));
+  if (const std::string trial = server.engine().facts().renderer_trial; !trial.empty()) log.info("renderer", trial);
+  if (server.engine().device_is_software())
+    log.warn("software_device",
+             "SOFTWARE RENDERING: no GPU is used, pictures will be slow; `isostrata doctor` says what was tried");
+}
+
 void serve(ServeArguments arguments) {
   if (!arguments.ranks.empty()) launcher_words(arguments.ranks), rank_program();  // throw before anything is begun
   ServerLog log(arguments.log_format == "json");
@@ -213,18 +221,7 @@ void serve(ServeArguments arguments) {
                         .ranks = arguments.ranks});
   options.token = token_of(arguments);
   const std::string server_shut_in = shut_in.confine();
-  if (sources.empty()) {
-    options.engine.catalogue = Catalogue::analytic();
-  } else {
-    LivingOptions living;
-    living.watch.inotify = arguments.watch != "poll";
-    options.living = std::make_shared<LivingCatalogue>(sources, living);
-    const std::shared_ptr<const Catalogue> found = options.living->now();
-    options.engine.catalogue = *found;  // what is there at the start, for the first worker and those that replace it; what comes later is told
-    if (found->entries().empty()) log.warn("no_data", "none of the paths holds a file that can be opened yet");
-    if (found->cut_off()) log.warn("too_many_files", "there are more files than are looked at (200000, 8 folders deep); name a smaller directory to see others");
-    log.info("watching", "changes of files are noticed by " + options.living->how());
-  }
+  offer_data(options, sources, arguments.watch != "poll", log);
   options.engine.renderer_choice = {arguments.renderer, arguments.device};
   options.engine.store.max_bytes = arguments.max_memory;
   options.engine.store.part = region_of_arguments();
@@ -258,22 +255,10 @@ void serve(ServeArguments arguments) {
   options.idle_timeout = std::chrono::seconds(arguments.idle_timeout_s);
   options.log = [&log](const LogLine& line) { log.write(line); };
 
-  if (arguments.no_auth) log.warn("no_auth", "NO TOKEN IS ASKED FOR: whoever reaches the port may use the server");
-  if (socket.empty() && !loopback(arguments.host))
-    log.warn("not_loopback", "listening on " + arguments.host + ": the port is open to the network" +
-                                 (arguments.tls_certificate.empty() ? ", unencrypted; an ssh tunnel to 127.0.0.1 is safer" : ""));
-  if (!StaticFiles(options.web_root).built())
-    log.warn("no_page", "the web page is not built (npm ci && npm run build in web/), only the API is served");
+  warn_of(options, arguments, log);
 
   Server server(std::move(options));
-  log.info("device", "drawing on " + server.engine().device());
-  if (sandbox() != Sandbox::off)
-    log.info("shut_in", "kept to their own files: the server by " + or_nothing(server_shut_in) + ", the process that draws by " +
-                            or_nothing(server.engine().facts().shut_in));
-  if (const std::string trial = server.engine().facts().renderer_trial; !trial.empty()) log.info("renderer", trial);
-  if (server.engine().device_is_software())
-    log.warn("software_device",
-             "SOFTWARE RENDERING: no GPU is used, pictures will be slow; `isostrata doctor` says what was tried");
+  tell_device(server, server_shut_in, log);
   server.run(true, [&] {
     log.info("ready", "serving " + std::to_string(server.catalogue().entries().size()) + " datasets on " +
                           (socket.empty() ? "port " + std::to_string(server.port()) : "the socket " + socket));
@@ -291,93 +276,7 @@ void add_serve_command(CLI::App& app) {
   CLI::App* command =
       app.add_subcommand("serve", "Serves the page, the WebSocket and the API on one port until it is interrupted");
   const auto arguments = std::make_shared<ServeArguments>();
-  command
-      ->add_option("path", arguments->paths,
-                   "Files, directories of files, or names of analytic data; none: the built-in analytic scenes. Files that come later are offered, too")
-      ->type_name("PATH");
-  command->add_option("--data-root", arguments->data_roots, "More directories whose files may be opened")->type_name("DIR");
-  command
-      ->add_option("--watch", arguments->watch,
-                   "How files that come, grow, change and go are noticed: auto: by inotify, and by looking every second if that does not work (files of other "
-                   "machines, more folders than watches); poll: by looking every second, for file systems that accept inotify and report nothing")
-      ->check(CLI::IsMember({"auto", "poll"}))
-      ->capture_default_str();
-  command->add_option("--host", arguments->host, "Address to listen on")->capture_default_str();
-  command->add_option("--port", arguments->port, "Port to listen on; 0 picks a free one")
-      ->check(CLI::Range(0, 65535))
-      ->capture_default_str();
-  command
-      ->add_option("--socket", arguments->socket,
-                   "Unix socket to listen on, in place of a port. It has mode 0600, for you alone; everybody on this machine can reach a port")
-      ->type_name("PATH");
-  command->add_option("--base-url", arguments->base_url, "Path, or whole URL, under which a proxy shows the server")
-      ->capture_default_str();
-  auto* token =
-      command
-          ->add_option("--token", arguments->token,
-                       "Token to ask for; others on this machine can read it here, so prefer ISOSTRATA_TOKEN or --token-file")
-          ->envname("ISOSTRATA_TOKEN");
-  auto* token_file =
-      command->add_option("--token-file", arguments->token_file, "File whose first line is the token")->excludes(token);
-  command->add_flag("--no-auth", arguments->no_auth, "Ask for no token")->excludes(token)->excludes(token_file);
-  auto* certificate = command
-                          ->add_option("--tls-cert", arguments->tls_certificate,
-                                       "Certificate, and those that sign it, in PEM: https instead of http")
-                          ->type_name("FILE");
-  command->add_option("--tls-key", arguments->tls_key, "The certificate's key, in PEM, without a password")
-      ->type_name("FILE")
-      ->needs(certificate);
-  command->add_option("--allow-host", arguments->allowed_hosts, "A further name by which browsers may reach the server (Host and Origin), NAME or NAME:PORT")
-      ->type_name("NAME[:PORT]");
-  command
-      ->add_option(
-          "--renderer", arguments->renderer,
-          "native: the CPU; raster, compute: OpenGL on the device; auto: native if no device is hardware, else the faster")
-      ->check(CLI::IsMember({"auto", "native", "raster", "compute"}))
-      ->capture_default_str();
-  command->add_option("--device", arguments->device, "auto, native, egl:INDEX, egl:UUID, surfaceless or osmesa")
-      ->capture_default_str();
-  command->add_option("--max-sessions", arguments->max_sessions, "Sessions at a time")
-      ->check(CLI::Range(1, 10000))
-      ->capture_default_str();
-  command->add_option("--max-viewers", arguments->max_viewers, "Connections of one session at a time")
-      ->check(CLI::Range(1, 10000))
-      ->capture_default_str();
-  command
-      ->add_option("--max-viewer-size", arguments->max_viewer_size,
-                   "WIDTHxHEIGHT: who may only look gets pictures and stills of at most as many pixels")
-      ->type_name("SIZE")
-      ->capture_default_str();
-  command
-      ->add_option("--state-dir", arguments->state_dir,
-                   "Directory that keeps sessions for the next start (default: $XDG_STATE_HOME/isostrata); none: they end with the server")
-      ->type_name("DIR");
-  command->add_option("--session-ttl", arguments->session_ttl_s, "Seconds that a session is kept without anyone using it")
-      ->check(CLI::Range(1, 31536000))
-      ->capture_default_str();
-  command
-      ->add_option("--idle-timeout", arguments->idle_timeout_s,
-                   "Seconds without a connection after which the server ends; 0: never")
-      ->check(CLI::Range(0, 31536000))
-      ->capture_default_str();
-  add_region_options(*command);
-  command
-      ->add_option("--max-memory", arguments->max_memory,
-                   "Bytes of loaded data that are kept, and the most one dataset may need (suffixes KB, MB, GB)")
-      ->transform(CLI::AsSizeValue(false))
-      ->capture_default_str();
-  command->add_option("--threads", arguments->threads, "Threads that compute; 0: all cores")
-      ->check(CLI::Range(0, 4096))
-      ->capture_default_str();
-  add_ranks_option(*command, arguments->ranks);
-  command->add_option("--ready-file", arguments->ready_file, "A file to write, as JSON, once the server answers")->type_name("FILE");
-  command->add_option("--log-format", arguments->log_format, "text or json, on standard error")
-      ->check(CLI::IsMember({"text", "json"}))
-      ->capture_default_str();
-  command->add_option("--web-root", arguments->web_root, "Directory of the built page")->check(CLI::ExistingDirectory);
-  add_sandbox_option(*command, "require if --host is not this machine alone, else try",
-                     "the process that reads files, the one that draws and the server");
-  add_config_option(*command);
+  add_serve_options(*command, *arguments);
   command->callback([arguments] { serve(*arguments); });
 }
 

@@ -57,95 +57,118 @@ class Strict {
     return orient3d(x[t[0]], x[t[1]], x[t[2]], x[t[3]]) / 6;
   }
 
-  /// Writes the mesh anew around the cells that changed.
-  void rebuild() {
-    const auto blocks = static_cast<std::int64_t>(blocks_.size());
-    std::vector<std::size_t> tetrahedra(blocks_.size() + 1), facets(blocks_.size() + 1), points(blocks_.size() + 1);
+  std::size_t old_facet(std::size_t tetrahedron) const {
+    return static_cast<std::size_t>(std::lower_bound(mesh_.facets.begin(), mesh_.facets.end(), tetrahedron,
+                                                     [](const BoundaryFacet& f, std::size_t t) { return f.tetrahedron < t; }) -
+                                    mesh_.facets.begin());
+  }
+
+  /// Where each block begins in the new mesh; the last one is where it ends. Points are counted from those of the old mesh.
+  struct Places {
+    std::vector<std::size_t> tetrahedra, facets, points;
     std::size_t weights = 0;
-    const auto old_facet = [&](std::size_t tetrahedron) {
-      return static_cast<std::size_t>(std::lower_bound(mesh_.facets.begin(), mesh_.facets.end(), tetrahedron,
-                                                       [](const BoundaryFacet& f, std::size_t t) { return f.tetrahedron < t; }) -
-                                      mesh_.facets.begin());
-    };
+  };
+  Places places() const {
+    const std::size_t n = blocks_.size() + 1;
+    Places at{std::vector<std::size_t>(n), std::vector<std::size_t>(n), std::vector<std::size_t>(n)};
     for (std::size_t b = 0; b < blocks_.size(); ++b) {
       const auto begin = static_cast<std::int64_t>(b) * kRunsPerBlock;
       const std::size_t first = first_of(begin), last = first_of(begin + kRunsPerBlock);
-      tetrahedra[b + 1] = tetrahedra[b] + last - first;
-      facets[b + 1] = facets[b] + old_facet(last) - old_facet(first);
-      points[b + 1] = points[b];
+      at.tetrahedra[b + 1] = at.tetrahedra[b] + last - first;
+      at.facets[b + 1] = at.facets[b] + old_facet(last) - old_facet(first);
+      at.points[b + 1] = at.points[b];
       for (const CellFix& fix : blocks_[b].fixes) {
         const std::size_t from = first_of(fix.run), to = first_of(fix.run + 1);
-        tetrahedra[b + 1] += fix.tetrahedra.size() - (to - from);
-        facets[b + 1] += fix.facets.size() - (old_facet(to) - old_facet(from));
-        points[b + 1] += fix.new_points.size();
-        weights += fix.new_points.size() * static_cast<std::size_t>(fix.vertices);
+        at.tetrahedra[b + 1] += fix.tetrahedra.size() - (to - from);
+        at.facets[b + 1] += fix.facets.size() - (old_facet(to) - old_facet(from));
+        at.points[b + 1] += fix.new_points.size();
+        at.weights += fix.new_points.size() * static_cast<std::size_t>(fix.vertices);
       }
     }
-    const std::size_t np = mesh_.positions.size() + points.back(), nt = tetrahedra.back();
+    return at;
+  }
+
+  void check_size(std::size_t nt, std::size_t facets, std::size_t np, std::size_t weights) const {
     check_budget("the strict triangulation of " + std::to_string(nt) + " tetrahedra",
                  (nt + mesh_.tetrahedra.size()) * (sizeof(TetrahedronPoints) + sizeof(std::uint16_t)) +
-                     (facets.back() + mesh_.facets.size()) * sizeof(BoundaryFacet) +
-                     np * (sizeof(Vec3d) + sizeof(double) + sizeof(PointOrigin)) +
+                     (facets + mesh_.facets.size()) * sizeof(BoundaryFacet) + np * (sizeof(Vec3d) + sizeof(double) + sizeof(PointOrigin)) +
                      weights * (sizeof(std::int64_t) + sizeof(float)),
                  options_.max_bytes);
     check_numbers(std::max({nt, np, weights}), std::to_string(nt) + " tetrahedra with " + std::to_string(np) + " points");
+  }
 
-    decltype(mesh_.tetrahedra) new_tetrahedra;
-    decltype(mesh_.tetrahedron_interval) new_intervals;
-    decltype(mesh_.facets) new_facets;
-    new_tetrahedra.resize(nt);
-    new_intervals.resize(nt);
-    new_facets.resize(facets.back());
+  /// What replaces the mesh's own.
+  struct Rebuilt {
+    decltype(IntervalMesh::tetrahedra) tetrahedra;
+    decltype(IntervalMesh::tetrahedron_interval) intervals;
+    decltype(IntervalMesh::facets) facets;
+    std::vector<std::uint32_t> first;  // by run
+  };
+
+  /// Writes the runs of a block: what has changed from the fixes, the rest as it was.
+  void write_block(std::size_t b, const Places& at, Rebuilt& out) const {
     const std::size_t old_points = mesh_.positions.size();
-    std::vector<std::uint32_t> new_first(mesh_.cell_runs.size());
-    parallel_for(blocks, 1, [&](std::int64_t begin, std::int64_t end) {
+    std::size_t to = at.tetrahedra[b], to_facet = at.facets[b], to_point = at.points[b];
+    auto fix = blocks_[b].fixes.begin();
+    const std::int64_t first_run = static_cast<std::int64_t>(b) * kRunsPerBlock;
+    const std::int64_t last_run = std::min<std::int64_t>(first_run + kRunsPerBlock, static_cast<std::int64_t>(out.first.size()));
+    std::size_t from_facet = old_facet(first_of(first_run));
+    for (std::int64_t r = first_run; r < last_run; ++r) {
+      out.first[r] = static_cast<std::uint32_t>(to);
+      const std::size_t first = first_of(r), last = first_of(r + 1);
+      if (fix == blocks_[b].fixes.end() || fix->run != r) {
+        for (; from_facet < mesh_.facets.size() && mesh_.facets[from_facet].tetrahedron < last; ++from_facet) {
+          BoundaryFacet facet = mesh_.facets[from_facet];
+          facet.tetrahedron = static_cast<std::uint32_t>(facet.tetrahedron - first + to);
+          out.facets[to_facet++] = facet;
+        }
+        for (std::size_t t = first; t < last; ++t, ++to) {
+          out.tetrahedra[to] = mesh_.tetrahedra[t];
+          out.intervals[to] = mesh_.tetrahedron_interval[t];
+        }
+        continue;
+      }
+      while (from_facet < mesh_.facets.size() && mesh_.facets[from_facet].tetrahedron < last) ++from_facet;
+      const auto renumber = [&](std::uint32_t& p) {
+        if (p >= old_points) p += static_cast<std::uint32_t>(to_point);
+      };
+      for (BoundaryFacet facet : fix->facets) {
+        for (std::uint32_t& p : facet.points) renumber(p);
+        facet.tetrahedron += static_cast<std::uint32_t>(to);
+        out.facets[to_facet++] = facet;
+      }
+      for (std::size_t t = 0; t < fix->tetrahedra.size(); ++t, ++to) {
+        out.tetrahedra[to] = fix->tetrahedra[t];
+        for (std::uint32_t& p : out.tetrahedra[to]) renumber(p);
+        out.intervals[to] = fix->intervals[t];
+      }
+      to_point += fix->new_points.size();
+      ++fix;
+    }
+  }
+
+  /// Writes the mesh anew around the cells that changed.
+  void rebuild() {
+    const Places at = places();
+    const std::size_t np = mesh_.positions.size() + at.points.back(), nt = at.tetrahedra.back();
+    check_size(nt, at.facets.back(), np, at.weights);
+    Rebuilt out;
+    out.tetrahedra.resize(nt);
+    out.intervals.resize(nt);
+    out.facets.resize(at.facets.back());
+    out.first.resize(mesh_.cell_runs.size());
+    parallel_for(static_cast<std::int64_t>(blocks_.size()), 1, [&](std::int64_t begin, std::int64_t end) {
       for (std::int64_t b = begin; b < end; ++b) {
         task_.check();
-        std::size_t to = tetrahedra[b], to_facet = facets[b], to_point = points[b];
-        auto fix = blocks_[b].fixes.begin();
-        const std::int64_t last_run =
-            std::min<std::int64_t>((b + 1) * kRunsPerBlock, static_cast<std::int64_t>(new_first.size()));
-        std::size_t from_facet = old_facet(first_of(b * kRunsPerBlock));
-        for (std::int64_t r = b * kRunsPerBlock; r < last_run; ++r) {
-          new_first[r] = static_cast<std::uint32_t>(to);
-          const std::size_t first = first_of(r), last = first_of(r + 1);
-          if (fix == blocks_[b].fixes.end() || fix->run != r) {
-            for (; from_facet < mesh_.facets.size() && mesh_.facets[from_facet].tetrahedron < last; ++from_facet) {
-              BoundaryFacet facet = mesh_.facets[from_facet];
-              facet.tetrahedron = static_cast<std::uint32_t>(facet.tetrahedron - first + to);
-              new_facets[to_facet++] = facet;
-            }
-            for (std::size_t t = first; t < last; ++t, ++to) {
-              new_tetrahedra[to] = mesh_.tetrahedra[t];
-              new_intervals[to] = mesh_.tetrahedron_interval[t];
-            }
-            continue;
-          }
-          while (from_facet < mesh_.facets.size() && mesh_.facets[from_facet].tetrahedron < last) ++from_facet;
-          const auto renumber = [&](std::uint32_t& p) {
-            if (p >= old_points) p += static_cast<std::uint32_t>(to_point);
-          };
-          for (BoundaryFacet facet : fix->facets) {
-            for (std::uint32_t& p : facet.points) renumber(p);
-            facet.tetrahedron += static_cast<std::uint32_t>(to);
-            new_facets[to_facet++] = facet;
-          }
-          for (std::size_t t = 0; t < fix->tetrahedra.size(); ++t, ++to) {
-            new_tetrahedra[to] = fix->tetrahedra[t];
-            for (std::uint32_t& p : new_tetrahedra[to]) renumber(p);
-            new_intervals[to] = fix->intervals[t];
-          }
-          to_point += fix->new_points.size();
-          ++fix;
-        }
+        write_block(static_cast<std::size_t>(b), at, out);
       }
     });
-    add_points(np, weights);
-    update_summaries(new_tetrahedra, new_intervals, new_first);
-    mesh_.tetrahedra = std::move(new_tetrahedra);
-    mesh_.tetrahedron_interval = std::move(new_intervals);
-    mesh_.facets = std::move(new_facets);
-    for (std::size_t r = 0; r < new_first.size(); ++r) mesh_.cell_runs[r].first_tetrahedron = new_first[r];
+    add_points(np, at.weights);
+    update_summaries(out.tetrahedra, out.intervals, out.first);
+    mesh_.tetrahedra = std::move(out.tetrahedra);
+    mesh_.tetrahedron_interval = std::move(out.intervals);
+    mesh_.facets = std::move(out.facets);
+    for (std::size_t r = 0; r < out.first.size(); ++r) mesh_.cell_runs[r].first_tetrahedron = out.first[r];
   }
 
   void add_points(std::size_t np, std::size_t weights) {

@@ -241,6 +241,69 @@ class Unread {
 
 std::string megabytes(std::size_t bytes) { return std::to_string((bytes + (1 << 20) - 1) >> 20) + " MiB"; }
 
+/// Ends a connection with an answer that nobody's request was handled for.
+asio::awaitable<void> refuse(beast::tcp_stream& stream, HttpResponse refusal, Site& site) {
+  site.refused(refusal.status);
+  co_await write(stream, wire(std::move(refusal), 11, false, false));
+}
+
+/// What came is not a request's head. Only what is a malformed request deserves an answer; a socket that ended does not hear it.
+std::optional<HttpResponse> answer_to_no_head(const boost::system::error_code& error) {
+  if (error == http::error::header_limit || error == http::error::body_limit || error == http::error::buffer_overflow)
+    return problem(error == http::error::body_limit ? 413 : 431, "too_large", "the request is larger than this server reads");
+  if (error.category() == make_error_code(http::error::bad_method).category() && error != http::error::end_of_stream && error != http::error::partial_message)
+    return problem(400, "malformed", "this is not an HTTP request: " + error.message());
+  return std::nullopt;
+}
+
+/// Why a head is refused before anybody looks at what it asks for.
+std::optional<HttpResponse> refusal_of(const Parser& parser) {
+  if (parser.chunked() || parser.get().count(http::field::transfer_encoding) > 0)
+    return problem(411, "malformed", "bodies in chunks are refused; send Content-Length");
+  if (const auto what = ambiguous(parser.get())) return problem(400, "malformed", *what);
+  return std::nullopt;
+}
+
+/// Becomes a WebSocket, or refuses to. Either way the connection ends with it.
+asio::awaitable<void> upgrade(beast::tcp_stream& stream, const beast::flat_buffer& buffer, Parser& parser, const HttpRequest& asked, Connections& connections,
+                              Places::Place& place) {
+  Sessions::Admission admission;
+  auto refusal = connections.site.refuse_upgrade(asked, admission);
+  if (!refusal && place.caller() == Caller::guest && !connections.places.guests_may_settle())
+    refusal = problem(503, "unavailable", "as many guests are here as this server has places for; try again later");
+  if (refusal) {
+    co_await refuse(stream, std::move(*refusal), connections.site);
+    co_return;
+  }
+  // A client may say something before it has heard that it is welcome.
+  PrefixedStream socket(std::move(stream), std::string(static_cast<const char*>(buffer.data().data()), buffer.size()));
+  co_await serve_websocket(std::move(socket), parser.release(), connections, place, std::move(admission));
+}
+
+/// Answers a request that was read whole. Whether another one may follow.
+asio::awaitable<bool> serve_request(beast::tcp_stream& stream, const HttpRequest& asked, const http::request<http::string_body>& request,
+                                    Connections& connections) {
+  const bool head = request.method() == http::verb::head;
+  connections.site.set_connections(connections.places.taken());
+  std::optional<HttpResponse> answered = co_await answer(connections.site, asked, stream);
+  connections.wake();
+  if (!answered) co_return false;
+  HttpResponse response = std::move(*answered);
+  if (connections.unread_bytes > 0 && connections.unread_bytes + response.body.size() > kMostUnread) {
+    connections.site.refused(503);
+    response = problem(503, "unavailable", "an answer of " + megabytes(response.body.size()) + " finds " + megabytes(connections.unread_bytes) +
+                                               " of others that nobody has read yet; expected at most " + megabytes(kMostUnread) +
+                                               " in all. Try again later");
+  }
+  const Unread counted(connections, response.body.size());
+  if (response.events && !head) {
+    co_await write_events(stream, std::move(response), request.version());
+    co_return false;
+  }
+  if (!response.file.empty()) co_return co_await write_file(stream, std::move(response), request.version(), request.keep_alive(), head);
+  co_return co_await write(stream, wire(std::move(response), request.version(), request.keep_alive(), head));
+}
+
 asio::awaitable<void> serve(beast::tcp_stream stream, const std::string& address, Connections& connections, Places::Place& place) {
   beast::flat_buffer buffer(kMaxHeaderBytes + kMaxMessageBytes);
   place.set_close([&stream] { stream.close(); });
@@ -254,33 +317,11 @@ asio::awaitable<void> serve(beast::tcp_stream stream, const std::string& address
     place.be_idle(true);
     co_await read_head(stream, buffer, parser, error);
     place.be_idle(false);
-    if (error) {
-      // Only what is a malformed request deserves an answer; a socket that ended does not hear it.
-      const bool too_large =
-          error == http::error::header_limit || error == http::error::body_limit || error == http::error::buffer_overflow;
-      const bool malformed = error.category() == make_error_code(http::error::bad_method).category() &&
-                             error != http::error::end_of_stream && error != http::error::partial_message;
-      if (too_large || malformed) connections.site.refused(!too_large ? 400 : error == http::error::body_limit ? 413 : 431);
-      if (too_large)
-        co_await write(stream, wire(problem(error == http::error::body_limit ? 413 : 431, "too_large",
-                                            "the request is larger than this server reads"),
-                                    11, false, false));
-      else if (malformed)
-        co_await write(stream,
-                       wire(problem(400, "malformed", "this is not an HTTP request: " + error.message()), 11, false, false));
+    if (auto refusal = error ? answer_to_no_head(error) : refusal_of(parser)) {
+      co_await refuse(stream, std::move(*refusal), connections.site);
       break;
     }
-    if (parser.chunked() || parser.get().count(http::field::transfer_encoding) > 0) {
-      connections.site.refused(411);
-      co_await write(stream,
-                     wire(problem(411, "malformed", "bodies in chunks are refused; send Content-Length"), 11, false, false));
-      break;
-    }
-    if (const auto what = ambiguous(parser.get())) {
-      connections.site.refused(400);
-      co_await write(stream, wire(problem(400, "malformed", *what), 11, false, false));
-      break;
-    }
+    if (error) break;
     HttpRequest asked = plain(parser.get());
     asked.address = address;
     const Site::Head head_says = connections.site.look_at_head(asked);
@@ -289,20 +330,7 @@ asio::awaitable<void> serve(beast::tcp_stream stream, const std::string& address
       asio::steady_timer later(stream.get_executor(), connections.wrong_tokens.note(address, std::chrono::steady_clock::now()));
       co_await later.async_wait(asio::redirect_error(asio::use_awaitable, error));
     }
-    if (beast::websocket::is_upgrade(parser.get())) {
-      Sessions::Admission admission;
-      auto refusal = connections.site.refuse_upgrade(asked, admission);
-      if (!refusal && place.caller() == Caller::guest && !connections.places.guests_may_settle())
-        refusal = problem(503, "unavailable", "as many guests are here as this server has places for; try again later");
-      if (refusal) {
-        connections.site.refused(refusal->status);
-        co_await write(stream, wire(std::move(*refusal), 11, false, false));
-        break;
-      }
-      // A client may say something before it has heard that it is welcome.
-      PrefixedStream socket(std::move(stream), std::string(static_cast<const char*>(buffer.data().data()), buffer.size()));
-      co_return co_await serve_websocket(std::move(socket), parser.release(), connections, place, std::move(admission));
-    }
+    if (beast::websocket::is_upgrade(parser.get())) co_return co_await upgrade(stream, buffer, parser, asked, connections, place);
     // Whoever may send no body is answered by the head alone.
     const bool unread = !head_says.may_send_body && !parser.is_done();
     if (unread) {
@@ -321,29 +349,9 @@ asio::awaitable<void> serve(beast::tcp_stream stream, const std::string& address
       break;
     }
     const http::request<http::string_body> request = parser.release();
-    const bool head = request.method() == http::verb::head;
     stream.expires_never();
     asked.body = request.body();
-    connections.site.set_connections(connections.places.taken());
-    std::optional<HttpResponse> answered = co_await answer(connections.site, asked, stream);
-    connections.wake();
-    if (!answered) break;
-    HttpResponse response = std::move(*answered);
-    if (connections.unread_bytes > 0 && connections.unread_bytes + response.body.size() > kMostUnread) {
-      connections.site.refused(503);
-      response = problem(503, "unavailable", "an answer of " + megabytes(response.body.size()) + " finds " + megabytes(connections.unread_bytes) +
-                                                 " of others that nobody has read yet; expected at most " + megabytes(kMostUnread) +
-                                                 " in all. Try again later");
-    }
-    const Unread counted(connections, response.body.size());
-    if (response.events && !head) {
-      co_await write_events(stream, std::move(response), request.version());
-      break;
-    }
-    if (!response.file.empty())
-      more = co_await write_file(stream, std::move(response), request.version(), request.keep_alive(), head);
-    else
-      more = co_await write(stream, wire(std::move(response), request.version(), request.keep_alive(), head));
+    more = co_await serve_request(stream, asked, request, connections);
   }
   boost::system::error_code ignored;
   stream.socket().shutdown(asio::ip::tcp::socket::shutdown_send, ignored);
