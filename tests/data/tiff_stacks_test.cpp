@@ -199,7 +199,7 @@ TEST(TiffStacks, MutatedFilesEndInADatasetOrAnError) {
   testing::expect_datasets_or_errors({{"a.tif", tiff({.description = kImageJ, .pages = 12})},
                                       {"b.tif", tiff({.description = kImageJ, .pages = 12, .big = true, .in_one = true})},
                                       {"c.tif", tiff({.description = ome("XYZCT", "", "<TiffData/>"), .pages = 12})}},
-                                     60);
+                                     20);
 }
 
 }  // namespace

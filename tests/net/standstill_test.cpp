@@ -146,6 +146,38 @@ TEST(Standstill, WhoseSocketIsBlockedIsClosedWhileOthersGetFrames) {
   EXPECT_EQ(other.lossless_frame().width(), 64u);
 }
 
+TEST(Standstill, WhoFloodsAndNeverReadsIsCutOffAndOthersAreServed) {
+  ServerOptions options;
+  options.write_timeout = milliseconds(500);
+  options.messages_per_second = 100'000;  // so that it is the answers that pile up, and not the messages
+  RunningServer server(std::move(options));
+  RawSocket rude(server.port(), 4096);
+  ASSERT_EQ(status_of(rude.open_websocket(ws_target())), 101);
+  ASSERT_TRUE(rude.send_frame(hello(64, 48)));
+  Client polite(server.client_options());
+  polite.open_dataset("torus-12");
+  bool cut_off = false;
+  std::uint64_t seq = 1;
+  for (int round = 0; round < 400 && !cut_off; ++round) {
+    std::string burst;
+    for (int i = 0; i < 2000; ++i) {
+      v1::ClientMessage message;
+      message.set_seq(++seq);
+      // Each is refused with a sentence that is longer than the message.
+      message.mutable_set_view()->set_view("no such view at all");
+      burst += std::string("\x82", 1) + static_cast<char>(0x80 | message.ByteSizeLong()) + std::string(4, '\0') +
+               message.SerializeAsString();
+    }
+    cut_off = !rude.send(burst, 15000);
+    if (round == 3) {
+      EXPECT_EQ(polite.lossless_frame().width(), 64u);
+    }
+  }
+  EXPECT_TRUE(cut_off) << "the server has kept " << seq << " answers for someone who does not read";
+  polite.open_dataset("torus-12");
+  EXPECT_EQ(polite.lossless_frame().width(), 64u);
+}
+
 TEST(Standstill, ASlowReaderIsNotABlockedOne) {
   ServerOptions options;
   options.write_timeout = milliseconds(400);
