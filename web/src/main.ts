@@ -6,7 +6,7 @@ import { calm } from './lib/calm';
 import { Connection, type NotOpened, type Socket } from './lib/connection';
 import { Exports } from './lib/exports.svelte';
 import { browserProbe, probeDecoders } from './lib/probe-decoders';
-import { giveFile } from './lib/save-blob';
+import { saveBlob } from './lib/save-blob';
 import { SavedTab } from './lib/saved';
 import { Session } from './lib/session.svelte';
 import { ThemeChoice } from './lib/theme.svelte';
@@ -35,7 +35,7 @@ const thumbnails = new Thumbnails({
 
 const exports = new Exports({
   ask: (path, method, body) => fetch(apiUrl(path), { method, ...(body ? { body, headers: { 'Content-Type': 'application/json' } } : {}) }),
-  give: (path) => giveFile(apiUrl(path).href, ''),
+  save: saveBlob,
   wait: (ms) => new Promise((done) => setTimeout(done, ms)),
 });
 

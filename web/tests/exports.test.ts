@@ -1,38 +1,35 @@
 import { describe, expect, test } from 'vitest';
 import { Exports } from '../src/lib/exports.svelte';
 
-/** A server that answers in turn; what it was asked, and what the browser was given. */
+/** A server that answers in turn; what it was asked, and what was saved. */
 function exportsOf(answers: ({ ok?: boolean; body: object } | 'lost')[]) {
   const asked: string[] = [];
-  const given: string[] = [];
+  const saved: string[] = [];
   const exports = new Exports({
     ask: (path, method, body) => {
       asked.push([method, path, body ?? ''].join(' ').trim());
-      if (method === 'DELETE') return Promise.resolve({ ok: false, json: () => Promise.resolve({}) });
-      const answer = answers.shift();
+      const answer = method === 'DELETE' ? 'lost' : answers.shift();
       if (!answer || answer === 'lost') return Promise.reject(new TypeError('Failed to fetch'));
-      return Promise.resolve({ ok: answer.ok ?? true, json: () => Promise.resolve(answer.body) });
+      return Promise.resolve({ ok: answer.ok ?? true, json: () => Promise.resolve(answer.body), blob: () => Promise.resolve(new Blob(['mesh'])) });
     },
-    give: (path) => given.push(path),
+    save: (file, name) => saved.push(`${name}: ${file.size}`),
     wait: () => Promise.resolve(),
   });
-  return { exports, asked, given };
+  return { exports, asked, saved };
 }
 const running = { body: { id: 'e1', status: 'running' } };
+const done = { body: { id: 'e1', status: 'done' } };
 
 describe('a mesh file of the layers', () => {
-  test('is asked for, waited for and given to the browser; the one before goes when the next is asked for', async () => {
-    const { exports, asked, given } = exportsOf([running, running, { body: { id: 'e1', status: 'done' } }, { body: { id: 'e2', status: 'done' } }]);
-    const saved = exports.save('s', 'ply');
+  test('is asked for, waited for and saved, and the server need not keep it', async () => {
+    const { exports, asked, saved } = exportsOf([running, running, done, { body: {} }]);
+    const answer = exports.save('s', 'ply', 'torus');
     expect(exports.waits).toBe(true);
-    expect(await saved).toBe('');
+    expect(await answer).toBe('');
     expect(exports.waits).toBe(false);
-    expect(asked).toEqual(['POST sessions/s/exports {"format":"ply"}', 'GET sessions/s/operations/e1', 'GET sessions/s/operations/e1']);
-    expect(given).toEqual(['sessions/s/exports/e1']);
-    asked.length = 0;
-    expect(await exports.save('t', 'vtu')).toBe('');
-    expect(asked).toEqual(['DELETE sessions/s/exports/e1', 'POST sessions/t/exports {"format":"vtu"}']); // whatever the DELETE is answered
-    expect(given).toHaveLength(2);
+    const [one, file] = ['sessions/s/operations/e1', 'sessions/s/exports/e1'];
+    expect(asked).toEqual(['POST sessions/s/exports {"format":"ply"}', `GET ${one}`, `GET ${one}`, `GET ${file}`, `DELETE ${file}`]);
+    expect(saved).toEqual(['torus.ply: 4']);
   });
 
   test('that does not come says why, and the next one can be asked for', async () => {
@@ -41,13 +38,16 @@ describe('a mesh file of the layers', () => {
       [[refusal], 'this session has 4 exports already'],
       [[running, { body: { id: 'e1', status: 'failed', error: { detail: 'no space' } } }], 'no space'],
       [[running, { body: { id: 'e1', status: 'cancelled' } }], 'Cancelled.'],
+      [[running, done, { ok: false, body: {} }], 'the server does not have it any more'],
+      [[running, done, 'lost'], 'the connection was lost'],
       [[running, 'lost'], 'the connection was lost'],
       [['lost'], 'the connection was lost'],
     ] as const) {
-      const { exports, given } = exportsOf([...answers]);
-      expect(await exports.save('s', 'vtu')).toBe(why);
-      expect(given).toEqual([]);
+      const { exports, asked, saved } = exportsOf([...answers]);
+      expect(await exports.save('s', 'vtu', 'torus')).toBe(why);
+      expect(saved).toEqual([]);
       expect(exports.waits).toBe(false);
+      expect(asked.filter((of) => of.startsWith('DELETE'))).toHaveLength(answers.length > 1 ? 1 : 0);
     }
   });
 });

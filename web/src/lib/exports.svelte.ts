@@ -1,4 +1,5 @@
-// The layers as a mesh file: the server writes it, the page waits for it and hands its address to the browser.
+// The layers as a mesh file: the server writes it, the page fetches it and hands it to the person. Not by its address: that has the token in it, and
+// browsers list where files came from.
 
 export const meshFormats = [
   ['vtu', 'Tetrahedra, .vtu'],
@@ -9,9 +10,8 @@ export const meshFormats = [
 
 export interface ExportDoors {
   /** Of the API. */
-  ask(path: string, method: string, body?: string): Promise<Pick<Response, 'ok' | 'json'>>;
-  /** Lets the browser fetch a file of the API. */
-  give(path: string): void;
+  ask(path: string, method: string, body?: string): Promise<Pick<Response, 'ok' | 'json' | 'blob'>>;
+  save(file: Blob, name: string): void;
   wait(ms: number): Promise<void>;
 }
 
@@ -23,32 +23,32 @@ interface Operation {
 
 export class Exports {
   waits = $state(false);
-  #given = ''; // the newest export that the browser was told of
 
   constructor(private readonly doors: ExportDoors) {}
 
-  /** All layers of the session, hidden ones too. Why there is no file; empty: the browser is told of it. */
-  async save(session: string, format: string): Promise<string> {
+  /** All layers of the session, hidden ones too. Why there is no file; empty: it is saved. */
+  async save(session: string, format: string, name: string): Promise<string> {
     const of = `sessions/${session}`;
+    let begun = '';
     this.waits = true;
     try {
-      // The server keeps four. What of the one before is still on its way goes on.
-      if (this.#given) await this.doors.ask(this.#given, 'DELETE');
-      this.#given = '';
       let operation = await this.#told(`${of}/exports`, 'POST', JSON.stringify({ format }));
+      begun = operation.id;
       for (let pause = 50; operation.status === 'running'; pause = Math.min(2 * pause, 500)) {
         await this.doors.wait(pause);
         operation = await this.#told(`${of}/operations/${operation.id}`, 'GET');
       }
       if (operation.status === 'cancelled') return 'Cancelled.';
       if (operation.status !== 'done') return operation.error?.detail ?? 'the server could not write it';
-      this.#given = `${of}/exports/${operation.id}`;
-      this.doors.give(this.#given);
+      const file = await this.doors.ask(`${of}/exports/${begun}`, 'GET');
+      if (!file.ok) return 'the server does not have it any more';
+      this.doors.save(await file.blob(), `${name}.${format}`);
       return '';
     } catch (problem) {
       return problem instanceof Refused ? problem.message : 'the connection was lost';
     } finally {
       this.waits = false;
+      if (begun) this.doors.ask(`${of}/exports/${begun}`, 'DELETE').catch(() => {}); // the server keeps four
     }
   }
 

@@ -1,16 +1,11 @@
 // Hands a file to the person.
 
-/** name: empty: as the address's own answer says. */
-export function giveFile(url: string, name: string): void {
+export function saveBlob(blob: Blob, name: string): void {
+  const url = URL.createObjectURL(blob);
   const link = document.createElement('a');
   link.href = url;
   link.download = name;
   link.click();
-}
-
-export function saveBlob(blob: Blob, name: string): void {
-  const url = URL.createObjectURL(blob);
-  giveFile(url, name);
   // The browser has to have begun reading before the address goes.
   setTimeout(() => URL.revokeObjectURL(url), 10_000);
 }
