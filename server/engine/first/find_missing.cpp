@@ -18,7 +18,7 @@ constexpr std::size_t kMostLooks = 100'000;
 constexpr double kLeastShare = 0.001;   // of the points, that have it
 constexpr std::size_t kLeastOthers = 8;  // different ones: else the two are phases of something
 constexpr double kLeastGap = 0.5;       // of the range, between it and all others
-constexpr double kMuchLarger = 100;
+constexpr double kMuchLarger = 1500;  // water is 860 times as dense as air
 
 bool is_written_for_it(double value) {
   const double size = std::abs(value);

@@ -517,6 +517,7 @@ TEST(FindMissing, IsFarFromAllOthersAndNoPhaseOfSomething) {
   EXPECT_FALSE(of([&](Vec3d p) { return p.z > 0.5 ? -9999.0 : 1.0; })) << "two values alone";
   EXPECT_FALSE(of([&](Vec3d p) { return p.z > 0.5 ? 999.0 : 600 + 300 * wave(p); })) << "near the others";
   EXPECT_FALSE(of([&](Vec3d p) { return p.x * p.x + p.y * p.y + p.z * p.z < 1e-3 ? 1e5 : wave(p); })) << "a peak";
+  EXPECT_FALSE(of([&](Vec3d p) { return p.z > 0.5 ? 1000.0 : 1.15862 + 1e-4 * wave(p); })) << "the density of water beside air";
   EXPECT_TRUE(of([&](Vec3d p) { return p.z > 0.5 ? 1e5 : wave(p); }));
 }
 
