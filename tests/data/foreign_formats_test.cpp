@@ -189,6 +189,12 @@ TEST_F(ForeignFormats, LinksToNothingAreCounted) {
   EXPECT_NE(std::find(data->notes.begin(), data->notes.end(), "2 links skipped that lead to nothing"), data->notes.end());
 }
 
+TEST_F(ForeignFormats, AnExodusFileWhoseArraysVtkMissesIsRefused) {
+  const Error error = test::refusal(file("unsaid.e"));
+  EXPECT_EQ(error.code(), ErrorCode::unsupported);
+  EXPECT_NE(std::string(error.what()).find("'file_size'"), std::string::npos) << error.what();
+}
+
 TEST_F(ForeignFormats, ASliceOpensItsSeriesAndNoOtherOfTheFolder) {
   const auto whole = test::open(file("scan"));
   std::filesystem::copy_file(file("scan_implicit/picture0.dcm"), file("scan/one_of_another.dcm"));
@@ -206,7 +212,7 @@ TEST_F(ForeignFormats, ASliceOpensItsSeriesAndNoOtherOfTheFolder) {
 TEST_F(ForeignFormats, CutOffFilesAreErrorsAndMutatedOnesEndInADatasetOrAnError) {
   std::vector<std::pair<std::string, std::string>> files;
   for (const std::string name : {"c_order.npy", "vectors.npy", "classic.nc", "four.nc", "image.vtkhdf", "cells.hdf", "structured.cgns", "unstructured.cgns",
-                                 "scaled.nii", "turned.nii", "orbitals.cube", "scan/picture1.dcm", "plain.h5", "kinds.h5", "links.h5", "gaps3.nc", "types.nc", "stored.npz", "packed.npz"})
+                                 "scaled.nii", "turned.nii", "orbitals.cube", "grids.xsf", "CHGCAR", "head.mgh", "short.mgz", "scan/picture1.dcm", "plain.h5", "kinds.h5", "links.h5", "gaps3.nc", "types.nc", "stored.npz", "packed.npz"})
     files.emplace_back(file(name).filename().string(), test::read_bytes(file(name)));
   const Scratch scratch;
   for (const auto& [name, bytes] : files) {
@@ -322,6 +328,8 @@ TEST(Recognise, WhatIsRefusedSaysWhatItIsAndWhatToDo) {
                                                                                   {"a.stla", "a surface", "volume"},
                                                                                   {"a.facet", "a surface", "volume"},
                                                                                   {"a.dem", "a map of heights", "netCDF"},
+                                                                                  {"a.mif", "an image of MRtrix", "mrconvert"},
+                                                                                  {"a.mih", "an image of MRtrix", "mrconvert"},
                                                                                   {"a.what", "not a known kind", "docs/formats.md"}}) {
     const Error error = test::refusal(scratch.write(name, "some bytes"));
     EXPECT_EQ(error.code(), ErrorCode::unsupported) << error.what();
@@ -331,10 +339,20 @@ TEST(Recognise, WhatIsRefusedSaysWhatItIsAndWhatToDo) {
   for (const auto& [name, bytes, what] : std::vector<std::array<std::string, 3>>{
            {"a.xyz", " 3 \nwater\nO 0.0 0.0 0.1\nH 0 0.7 -4e-1\nH 0 -0.7 -0.4\n", "a list of atoms"},
            {"a.g", "1 4 2 8\n1 2\n0.0 0.0 0.0 1.0 0.0 0.0\n", "a surface (Movie.BYU)"},
+           {"lammps.xyz", "2\nAtoms. Timestep: 0\n1 0 0 0\n1 0.5 0.5 0.5\n", "a list of atoms"},
+           {"surfer.grd", "DSBB", "a map of heights; save it as netCDF"},
+           {"esri.asc", "ncols 3\nnrows 2\n", "a map of heights; save it as netCDF"},
+           {"a.mnc", "CDF\x01", "MINC; save it as NIfTI (mnc2nii IN OUT)"},
+           {"a.med", "\x89HDF\r\n\x1a\n", "a mesh or a case of another program"},
+           {"a.mif.gz", "\x1f\x8b", "an image of MRtrix"},
+           {"a.stl.gz", "\x1f\x8b", "a surface"},
+           {"a.log.gz", "\x1f\x8b", "text"},
            {"a.plt", std::string("\3\0\0\0\52\0\0\0", 8), "a density of gOpenMol"}})
     EXPECT_NE(std::string(test::refusal(scratch.write(name, bytes)).what()).find(name + ": this is " + what), std::string::npos) << name;
   EXPECT_EQ(std::string(test::refusal(scratch.write("cow.g", "1\n2 2 2\n0 0 0 1 1 1 0 0\n")).what()),
             "cow.g: no PLOT3D solution file beside it; looked for cow.q, cow.Q, cow.f");
+  EXPECT_EQ(std::string(test::refusal(scratch.write("blockMeshDict.gz", "\x1f\x8b")).what()),
+            "blockMeshDict.gz: its name does not say what is in it; expected NAME.vtk.gz, NAME.vtu.gz or the like");
   for (const char* folder : {"b.bp", "a.bp4", "a.bp5", "a.n5"}) {
     std::filesystem::create_directory(scratch / folder);
     const Error error = test::refusal(scratch / folder);

@@ -474,6 +474,49 @@ def packed():
     lattice("packed.npy.gz", {"packed": [0, 345, 0]}, [0, NX - 1, 0, NY - 1, 0, NZ - 1], [5, 3, 2, "packed", 235])
 
 
+def xsf():
+    """Two grids of the same points, one of others; z fastest is what nobody else has."""
+    grid = lambda name, edge, values: (f"BEGIN_BLOCK_DATAGRID_3D\n some_name\nBEGIN_DATAGRID_3D_{name}\n {values.shape[2]} {values.shape[1]} {values.shape[0]}\n 1.0 2.0 3.0\n {edge} 0 0\n 0 8 0\n 0 0 -9\n" +
+                                       "\n".join(" ".join(f"{v:.6E}" for v in row) for row in values.reshape(-1, 3)) + "\nEND_DATAGRID_3D\nEND_BLOCK_DATAGRID_3D\n")
+    with open("grids.xsf", "w") as out:
+        out.write("# a remark\nCRYSTAL\nPRIMVEC\n 5 0 0\n 0 8 0\n 0 0 9\nPRIMCOORD\n1 1\n 8 0.1 0.2 0.3\n" + grid("density", 5, FIELD) + grid("spin", 5, -FIELD) + grid("coarse", 5, FIELD[:2, :, :3]))
+    lattice("grids.xsf", {"density": [0, 345, 0], "spin": [-345, 0, 0]}, [1, 6, 2, 10, -6, 3], [6, 10, -6, "density", 345])
+
+
+def vasp():
+    """The cell's volume is 2 * 3 * 4 = 24, by a scale; numbers of points are 6, 5, 4 without the far sides, so the bounds are the cell's."""
+    title = lambda scale, a, b, c, names: f"a title\n {scale}\n {a} 0 0\n 0 {b} 0\n 0 0 {c}\n{names} 1 2\nDirect\n" + " 0.5 0.5 0.5\n" * 3 + f"\n {NX} {NY} {NZ}\n"
+    rows = lambda values: "\n".join(" " + " ".join(f"{v:.11E}" for v in values.ravel()[i:i + 5]) for i in range(0, values.size, 5)) + "\n"
+    augmented = "augmentation occupancies 1 3\n 0.1 0.2 0.3\n"
+    files = {"CHGCAR": (title(2, 1, 1.5, 2, " O H\n") + rows(24 * FIELD) + augmented + f" {NX} {NY} {NZ}\n" + rows(-24 * FIELD) + augmented, {"charge density": 1, "magnetization density": -1}),
+             "AECCAR0": (title(-24, 1, 1.5, 2, "") + rows(24 * FIELD), {"charge density": 1}),
+             "LOCPOT": (title(1, 2, 3, 4, " O H\n").replace("Direct", "Selective dynamics\nDirect").replace("0.5\n", "0.5 T T F\n") + rows(FIELD), {"potential": 1})}
+    for name, (text, arrays) in files.items():
+        with open(name, "w") as out:
+            out.write(text)
+        expect(name, "uniform", (NX + 1) * (NY + 1) * (NZ + 1), NX * NY * NZ, {array: sorted([0, 345 * sign]) + [0] for array, sign in arrays.items()}, [0, 2, 0, 3, 0, 4],
+               [2 * 5 / 6, 3 * 3 / 5, 4 * 2 / 4, next(iter(arrays)), 235])
+    with open("LOCPOT", "rb") as whole, gzip.open("LOCPOT.gz", "wb") as out:
+        out.write(whole.read())
+    facts["LOCPOT.gz"] = facts["LOCPOT"]
+
+
+def freesurfer():
+    """x to the left, y down, z to the front, as FreeSurfer's own are; the middle of the volume is at 10, 20, 30."""
+    affine = np.array([[-1, 0, 0, 10 + NX / 2], [0, 0, 3, 20 - 3 * NZ / 2], [0, -2, 0, 30 + 2 * NY / 2]])
+    directions = [-1, 0, 0, 0, 0, -1, 0, 1, 0]
+    places = np.stack([affine[:, :3] @ [i, j, k] + affine[:, 3] for k in (0, NZ - 1) for j in (0, NY - 1) for i in (0, NX - 1)])
+    bounds = np.stack([places.min(0), places.max(0)], 1).ravel()
+    for name, code, kind, frames in (("head.mgh", 3, ">f4", 1), ("short.mgz", 4, ">i2", 2)):
+        header = struct.pack(">7i", 1, NX, NY, NZ, frames, code, 0) + struct.pack(">h15f", 1, 1, 2, 3, *directions, 10, 20, 30)
+        values = b"".join((FIELD + 1000 * frame).astype(kind).tobytes() for frame in range(frames))
+        with (gzip.open if name.endswith("z") else open)(name, "wb") as out:
+            out.write(header.ljust(284, b"\0") + values + b"tags")
+        for frame in range(frames):
+            at = affine[:, :3] @ [5, 3, 2] + affine[:, 3]
+            lattice(name, {"intensity": [1000 * frame, 345 + 1000 * frame, 0]}, bounds, [*map(float, at), "intensity", 235 + 1000 * frame], range(frames), frame if frames > 1 else None, "curvilinear")
+
+
 def openfoam_part(folder, cells, layer=0, binary=False):
     """A box of hexahedra of edge 1, 2, 3, as blockMesh writes it. The first of its layers along z is this one of a whole."""
     nx, ny, nz = cells
@@ -627,6 +670,9 @@ def main():
     dicom("scan", False)
     dicom("scan_implicit", True)
     gaussian_cube()
+    xsf()
+    vasp()
+    freesurfer()
     openfoam_cases()
     ensight()
     older_and_binary_ensight()

@@ -72,6 +72,11 @@ void look_inside(const fs::path& path, LookedAt& file) {
   }
   if (file.use == LookedAt::Use::picture) file.picture = picture_size(path);
   if (file.use == LookedAt::Use::open) file.refers_to = referred_names(path, file.of);
+  const auto is_surface = [](const std::string& name) { return ends_with_one_of(small_letters(name), ".vtp .pvtp"); };
+  if (file.of.kind == FileKind::multi_block && !file.refers_to.empty() && std::all_of(file.refers_to.begin(), file.refers_to.end(), is_surface)) {  // foamToVTK's boundary.vtm
+    file.use = LookedAt::Use::none;
+    file.why_not = "a list of surfaces; expected a grid whose cells have a volume";
+  }
 }
 
 using Directory = std::unique_ptr<DIR, int (*)(DIR*)>;

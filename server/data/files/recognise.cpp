@@ -98,6 +98,10 @@ bool any_file(const fs::path& folder, int most, bool (*is)(const fs::path&)) {
   throw Error(ErrorCode::unsupported, name + ": this is " + std::string(foreign.what) + (foreign.advice.empty() ? "" : "; ") + std::string(foreign.advice));
 }
 
+const ForeignFormat& foreign_format(std::string_view what) {
+  return *std::find_if(foreign_formats().begin(), foreign_formats().end(), [&](const ForeignFormat& of) { return of.what == what; });
+}
+
 Recognised recognise_folder(const fs::path& folder) {
   const std::string name = folder.filename().string();
   if (is_openfoam_case(folder)) return {FileKind::openfoam, {}};
@@ -117,7 +121,9 @@ std::string_view past_user_block(std::string_view head) {
 }
 
 /// netCDF and HDF5 are containers: what is inside is said by a name at their root, or by the file's name.
-Recognised recognise_container(std::string_view head, const std::string& file) {
+Recognised recognise_container(std::string_view head, const std::string& file, const std::string& name) {
+  if (file.ends_with(".mnc") || head.find("minc-2.0") != std::string_view::npos) refuse(foreign_format("MINC"), name);
+  if (file.ends_with(".med") || head.find("ENS_MAA") != std::string_view::npos) refuse(foreign_format("a mesh or a case of another program"), name);
   const auto holds = [&](const char* dimension) { return head.find(dimension) != std::string_view::npos; };
   if (ends_with_one_of(file, extensions_of(FileKind::exodus)) || (holds("num_nodes") && holds("num_el_blk"))) return {FileKind::exodus, {}};
   if (ends_with_one_of(file, extensions_of(FileKind::cgns)) || head.find("CGNSLibraryVersion") != std::string_view::npos)
@@ -133,17 +139,40 @@ std::vector<std::string> words_of_line(std::string_view text, int line) {
   return {std::istream_iterator<std::string>(words), {}};
 }
 
-/// Atoms as text (.xyz), and surfaces of Movie.BYU (.g), have PLOT3D's names.
+/// Atoms as text (.xyz), surfaces of Movie.BYU (.g) and maps of Surfer (.grd) have PLOT3D's names.
 void refuse_others_of_plot3d(std::string_view head, const std::string& name) {
+  if (head.starts_with("DSAA") || head.starts_with("DSBB") || head.starts_with("DSRB")) refuse(foreign_format("a map of heights"), name);
   const auto numbers = [](std::span<const std::string> words, const char* digits) {
     return std::all_of(words.begin(), words.end(), [&](const std::string& word) { return word.find_first_not_of(digits) == std::string::npos; });
   };
   const auto first = words_of_line(head, 0), second = words_of_line(head, 1), third = words_of_line(head, 2);
-  if (first.size() == 1 && numbers(first, "0123456789") && third.size() >= 4 && std::isalpha(static_cast<unsigned char>(third[0][0])) &&
-      numbers(std::span(third).subspan(1, 3), "0123456789.+-eE"))
+  const bool atom = third.size() >= 4 && (std::isalpha(static_cast<unsigned char>(third[0][0])) || !numbers(second, "0123456789")) && numbers(std::span(third).subspan(1, 3), "0123456789.+-eE");
+  if (first.size() == 1 && numbers(first, "0123456789") && atom)
     throw Error(ErrorCode::unsupported, name + ": this is a list of atoms; expected a grid: save their density on one, as Gaussian cube, MRC or .npy");
   if (first.size() == 4 && second.size() == 2 && numbers(first, "0123456789") && numbers(second, "0123456789") && second[1] == first[2])
     throw Error(ErrorCode::unsupported, name + ": this is a surface (Movie.BYU); expected a grid whose cells have a volume");
+}
+
+/// VASP's densities, potentials and localizations by their names: CHGCAR, AECCAR2, LOCPOT.up. The two lines behind the title, and these names, are nobody else's.
+bool is_vasp(const std::string& file, std::string_view head) {
+  constexpr std::array<std::string_view, 6> kNames{"chgcar", "chg", "aeccar", "parchg", "locpot", "elfcar"};
+  const bool named = std::any_of(kNames.begin(), kNames.end(), [&](std::string_view of) {
+    return file.starts_with(of) && (file.size() == of.size() || std::isalpha(static_cast<unsigned char>(file[of.size()])) == 0);
+  });
+  const auto numbers = [&](int line, std::size_t most) {
+    const auto words = words_of_line(head, line);
+    return !words.empty() && words.size() <= most && std::all_of(words.begin(), words.end(), [](const std::string& word) { return word.find_first_not_of("0123456789.+-eEdD") == std::string::npos; });
+  };
+  return (named || ends_with_one_of(file, extensions_of(FileKind::vasp))) && numbers(1, 3) && numbers(2, 3) && numbers(3, 3) && numbers(4, 3);
+}
+
+/// What is inside gzip, its name says.
+void check_packed(const std::string& inner, const std::string& name) {
+  for (const ForeignFormat& foreign : foreign_formats())
+    if (ends_with_one_of(inner, foreign.extensions)) refuse(foreign, name);
+  const bool known = std::any_of(file_formats().begin(), file_formats().end(), [&](const FileFormat& of) { return ends_with_one_of(inner, of.extensions); });
+  if (!known && !is_vasp(inner, " \n1\n0 0 0\n0 0 0\n0 0 0\n"))
+    throw Error(ErrorCode::unsupported, name + ": its name does not say what is in it; expected NAME.vtk.gz, NAME.vtu.gz or the like");
 }
 
 /// TIFFs whose pages are not what they are in others, by the names that their makers give them.
@@ -169,6 +198,7 @@ void refuse_microscope(const std::string& file, const std::string& name) {
     throw Error(ErrorCode::unsupported, name + ": this is a density of gOpenMol; save it as MRC or Gaussian cube, or as .npy (Python: gridData)");
   for (const ForeignFormat& foreign : foreign_formats())
     if (ends_with_one_of(file, foreign.extensions)) refuse(foreign, name);
+  if (words_of_line(head, 0).size() == 2 && small_letters(words_of_line(head, 0)[0]) == "ncols") refuse(foreign_format("a map of heights"), name);
   if (head.starts_with("#!TDV")) throw Error(ErrorCode::unsupported, name + ": this is Tecplot; save it as CGNS, or as .vtu (ParaView: Save Data)");
   if (head.starts_with("\x7f" "ELF") || head.starts_with("#!")) throw Error(ErrorCode::unsupported, name + ": this is a program");
   throw Error(ErrorCode::unsupported, name + ": this is not a known kind of file; docs/formats.md lists those that are read");
@@ -193,15 +223,7 @@ bool is_openfoam_case(const fs::path& folder) {
   if (!fs::is_regular_file(folder / "system" / "controlDict", error)) return false;
   for (const char* mesh : {"constant/polyMesh", "processor0/constant/polyMesh", "constant/regionProperties"})
     if (fs::exists(folder / mesh, error)) return true;
-  return !collated_folder(folder).empty();
-}
-
-std::string collated_folder(const fs::path& folder) {
-  std::error_code error;
-  for (fs::directory_iterator it(folder, error), end; !error && it != end; it.increment(error)) {
-    if (const std::string name = it->path().filename().string(); is_collated_name(name) && it->is_directory(error)) return name;
-  }
-  return {};
+  return !openfoam_parts(folder).empty();
 }
 
 bool is_dicom(const fs::path& file) {
@@ -255,18 +277,23 @@ Recognised recognise(const fs::path& path) {
     return {blocks ? FileKind::multi_block : FileKind::vtk_xml, std::move(type)};
   }
   if (begins_as_xml(head, "<Xdmf")) return {FileKind::xdmf, {}};
-  if (const std::string_view inside = past_user_block(head); !inside.empty()) return recognise_container(inside, file);
+  if (const std::string_view inside = past_user_block(head); !inside.empty()) return recognise_container(inside, file, name);
   if (head.starts_with("CDF\x01") || head.starts_with("CDF\x02") || head.starts_with("CDF\x05") || head.starts_with("\x89HDF\r\n"))
-    return recognise_container(head, file);
+    return recognise_container(head, file, name);
   if (ends_with_one_of(file, extensions_of(FileKind::nifti)) || is_nifti(path, file, head)) return {FileKind::nifti, {}};
-  if (head.starts_with("\x1f\x8b") && file.ends_with(".gz") && !file.ends_with(".tar.gz")) return {FileKind::gzip, {}};
+  if (ends_with_one_of(file, extensions_of(FileKind::mgh))) return {FileKind::mgh, {}};  // packed or not
+  if (head.starts_with("\x1f\x8b") && file.ends_with(".gz") && !file.ends_with(".tar.gz")) {
+    check_packed(file.substr(0, file.size() - 3), name);
+    return {FileKind::gzip, {}};
+  }
   if (head.starts_with(std::string_view("II*\0", 4)) || head.starts_with(std::string_view("MM\0*", 4)) || head.starts_with("II+") || head.starts_with(std::string_view("MM\0+", 4))) {
     refuse_microscope(file, name);
     return {FileKind::tiff, {}};
   }
   if (begins_as_meta_image(head)) return {FileKind::meta_image, {}};
-  for (const FileKind kind : {FileKind::meta_image, FileKind::slc, FileKind::series, FileKind::xdmf, FileKind::gaussian_cube, FileKind::ensight, FileKind::cgns})
+  for (const FileKind kind : {FileKind::meta_image, FileKind::slc, FileKind::series, FileKind::xdmf, FileKind::gaussian_cube, FileKind::xsf, FileKind::ensight, FileKind::cgns})
     if (ends_with_one_of(file, extensions_of(kind))) return {kind, {}};
+  if (is_vasp(file, head)) return {FileKind::vasp, {}};
   if (ends_with_one_of(file, ".mrc .mrcs")) return {FileKind::mrc, {}};  // before 2000 without a mark
   const std::string stem = small_letters(path.stem().string());
   const bool text = std::any_of(foreign_formats().begin(), foreign_formats().end(),

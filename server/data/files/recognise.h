@@ -34,9 +34,6 @@ inline constexpr const char* kPictureVariable = "ISOSTRATA_PICTURE";
 /// A folder that holds an OpenFOAM case, whole or in parts for processors.
 bool is_openfoam_case(const std::filesystem::path& folder);
 
-/// The name of such a case's folder for all processors together ("processors4", "processors4_0-1"), which OpenFOAM's file handler "collated" writes; empty if there is none.
-std::string collated_folder(const std::filesystem::path& folder);
-
 /// Begins as DICOM files do, or is named as one.
 bool is_dicom(const std::filesystem::path& file);
 

@@ -38,6 +38,9 @@ bool says_what_it_reads(FileKind kind) {
     case FileKind::hdf5:
     case FileKind::tiff:
     case FileKind::gaussian_cube:
+    case FileKind::xsf:
+    case FileKind::vasp:
+    case FileKind::mgh:
     case FileKind::netcdf:
     case FileKind::slc:
       return true;

@@ -1,85 +1,22 @@
 #include <algorithm>
 #include <array>
-#include <cctype>
-#include <charconv>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
-#include <optional>
 #include <span>
 #include <string>
 #include <string_view>
-#include <system_error>
 #include <utility>
 #include <vector>
 
 #include "import/bytes/mapped_file.h"
 #include "import/bytes/parsed_number.h"
+#include "import/bytes/text_numbers.h"
 #include "import/imported/place_image.h"
 #include "import/imported/read_own.h"
 
 namespace isostrata {
 namespace {
-
-/// Numbers, one after the other, wherever lines end.
-class CubeWords {
- public:
-  CubeWords(std::string_view text, const std::string& name) : text_(text), name_(name) {}
-  void skip_line() {
-    const auto end = text_.find('\n');
-    if (end == std::string_view::npos) throw Error(ErrorCode::bad_data, name_ + ": ends within its header");
-    text_.remove_prefix(end + 1);
-  }
-  double number(const char* what) {
-    const auto first = text_.find_first_not_of(" \t\r\n");
-    if (first == std::string_view::npos) throw Error(ErrorCode::bad_data, name_ + ": ends before " + what);
-    text_.remove_prefix(first + (text_[first] == '+'));
-    double value = 0;
-    const auto [end, error] = std::from_chars(text_.data(), text_.data() + text_.size(), value);
-    if (end != text_.data() + text_.size() && !std::isspace(static_cast<unsigned char>(*end))) return fortran_number(static_cast<std::size_t>(end - text_.data()), what);
-    if (error == std::errc::invalid_argument) refuse(what);
-    text_.remove_prefix(static_cast<std::size_t>(end - text_.data()));
-    return value;
-  }
-  std::string_view rest_of_line() {
-    const auto line = text_.substr(0, text_.find('\n'));
-    skip_line();
-    return line;
-  }
-  std::int64_t integer(const char* what, std::int64_t most) {
-    const double value = number(what);
-    if (value != std::floor(value) || std::abs(value) > static_cast<double>(most))
-      throw Error(ErrorCode::bad_data, name_ + ": " + what + " is " + std::to_string(value) + "; expected a whole number up to " + std::to_string(most));
-    return static_cast<std::int64_t>(value);
-  }
-
- private:
-  /// "0.5D-02", and "3.45-102" where the letter found no place. from_chars ends at `mantissa`.
-  double fortran_number(std::size_t mantissa, const char* what) {
-    const std::string_view word = text_.substr(0, text_.find_first_of(" \t\r\n"));
-    const char at = word[mantissa];
-    std::string text(word);
-    if (at == 'D' || at == 'd')
-      text[mantissa] = 'E';
-    else if (at == '+' || at == '-')
-      text.insert(mantissa, "E");
-    const auto value = mantissa > 0 && text != word ? parsed_number<double>(text) : std::nullopt;
-    if (!value) refuse(what);
-    text_.remove_prefix(word.size());
-    return *value;
-  }
-  [[noreturn]] void refuse(const char* what) const {
-    throw Error(ErrorCode::bad_data, name_ + ": expected a number for " + what + ", not '" + printable(text_.substr(0, 16)) + "'");
-  }
-  static std::string printable(std::string_view text) {
-    std::string out(text);
-    for (char& c : out)
-      if (c < 32 || c == 127) c = ' ';
-    return out;
-  }
-  std::string_view text_;
-  const std::string& name_;
-};
 
 /// How many values each point has; 1 if the line says nothing that can be a count of them.
 std::int64_t trailing_count(std::string_view line) {
@@ -96,7 +33,7 @@ Imported read_gaussian_cube(const ReadRequest& request) {
   const std::string name = request.file.filename().string();
   check_step(request, 1);
   const MappedFile file(request.file);
-  CubeWords words({reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size()}, name);
+  TextNumbers words({reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size()}, name);
   words.skip_line();
   words.skip_line();
   std::int64_t atoms = words.integer("the number of atoms", 1'000'000);

@@ -29,6 +29,15 @@ Imported read_netcdf_plainly(const ReadRequest& request);
 /// Gaussian's .cube: every field on its grid.
 Imported read_gaussian_cube(const ReadRequest& request);
 
+/// XCrySDen's .xsf: every grid of three axes that has the points of the first.
+Imported read_xsf(const ReadRequest& request);
+
+/// VASP's CHGCAR, LOCPOT and the like: one grid, or those of the spins too. The cell's far sides have the values of the near ones.
+Imported read_vasp(const ReadRequest& request);
+
+/// FreeSurfer's .mgh and .mgz.
+Imported read_mgh(const ReadRequest& request);
+
 /// A folder of DICOM slices, the files of a pattern, a file with its siblings of one series, or a file of many frames. Uncompressed.
 Imported read_dicom(const ReadRequest& request);
 /// DICOM with one picture, which is a slice of a volume rather than a step.

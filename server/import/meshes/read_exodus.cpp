@@ -6,6 +6,9 @@
 #include <vtkStreamingDemandDrivenPipeline.h>
 
 #include <algorithm>
+#include <filesystem>
+#include <string>
+#include <vector>
 
 #if __has_include(<vtkExodusIIReaderPrivate.h>)
 #include <vtkExodusIIReaderPrivate.h>
@@ -14,6 +17,9 @@
 #include "import/bytes/mapped_file.h"
 #include "import/imported/vtk_messages.h"
 #include "import/netcdf/check_netcdf.h"
+#ifdef ISOSTRATA_READS_NETCDF
+#include "import/netcdf/netcdf_file.h"
+#endif
 #include "import/vtk/read_vtk.h"
 #include "import/vtk/vtk_blocks.h"
 
@@ -63,6 +69,20 @@ void pass_over_unknown(ExodusReader& reader, const std::string& name, std::vecto
   throw_on_vtk_error(name);
 }
 
+/// The library of VTK looks for arrays on nodes by what an attribute says of the file, and if they are elsewhere tells of it in a way that VTK does not hear: what VTK
+/// gives is then what was in its memory. meshio writes such files.
+void check_places_of_arrays(const std::string& name, const std::filesystem::path& file) {
+#ifdef ISOSTRATA_READS_NETCDF
+  const NetcdfFile of(file);
+  const std::vector<double> said = of.numbers(NC_GLOBAL, "file_size");
+  const bool large = !said.empty() && said.front() != 0;
+  if (!large && of.variable("vals_nod_var1") && !of.variable("vals_nod_var"))
+    throw Error(ErrorCode::unsupported, name + ": its arrays on nodes lie as in files whose attribute 'file_size' is 1, and it has none; save it as .vtu or VTKHDF (meshio convert)");
+#else
+  static_cast<void>(name), static_cast<void>(file);
+#endif
+}
+
 }  // namespace
 
 Imported read_exodus(const ReadRequest& request) {
@@ -70,6 +90,7 @@ Imported read_exodus(const ReadRequest& request) {
   check_netcdf_classic(MappedFile(request.file).bytes(), name);
   vtkNew<ExodusReader> reader;
   if (!reader->CanReadFile(request.file.c_str())) throw Error(ErrorCode::bad_data, name + ": is not an Exodus II file");
+  check_places_of_arrays(name, request.file);
   reader->SetFileName(request.file.c_str());
   reader->SetApplyDisplacements(0);  // the points as they are; displacements are an array like any other
   reader->SetGenerateObjectIdCellArray(0);

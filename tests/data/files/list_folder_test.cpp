@@ -329,6 +329,7 @@ TEST(ListFolder, AMessyFolderIsSeriesDataSetsAndReasons) {
   scratch.write("data/surface.stl", "solid");
   scratch.write("data/surface.vtp", testing::vtk_file("PolyData", "<PolyData/>"));
   scratch.write("data/surface.vtk", "# vtk DataFile Version 3.0\nx\nASCII\nDATASET POLYDATA\n");
+  scratch.write("data/walls.vtm", testing::vtk_file("vtkMultiBlockDataSet", "<vtkMultiBlockDataSet><DataSet index=\"0\" file=\"walls/floor.vtp\"/></vtkMultiBlockDataSet>"));
   scratch.write("data/finxyz.bin", "x");
   scratch.write("data/finq.bin", "x");
   for (const char* name : {"notes.txt", "run.py", "job.log", "make_grid.py"}) scratch.write("data/" + std::string(name), "text");
@@ -345,6 +346,7 @@ TEST(ListFolder, AMessyFolderIsSeriesDataSetsAndReasons) {
   EXPECT_EQ(passed(listing, "belongs to another file"), 3);  // two pieces and the data of a header
   EXPECT_EQ(passed(listing, "numbers without a header"), 1);
   EXPECT_EQ(passed(listing, "a surface") + passed(listing, "this is a surface"), 3);  // by their names, and by what is in them
+  EXPECT_EQ(passed(listing, "a list of surfaces"), 1);
   EXPECT_EQ(passed(listing, "one picture"), 1);
   EXPECT_EQ(passed(listing, "PLOT3D solution"), 1);
   EXPECT_EQ(passed(listing, "text") + passed(listing, "a program or its settings"), 4);
