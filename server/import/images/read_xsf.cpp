@@ -10,7 +10,7 @@
 #include <utility>
 #include <vector>
 
-#include "data/array_units.h"
+#include "data/values/array_units.h"
 #include "import/bytes/mapped_file.h"
 #include "import/bytes/text_numbers.h"
 #include "import/imported/place_image.h"
