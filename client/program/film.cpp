@@ -1,10 +1,6 @@
 #include "film.h"
 
 #include <cmath>
-#include <cstdio>
-#include <filesystem>
-#include <fstream>
-#include <thread>
 
 #include "isostrata/image.h"
 #include "isostrata/options.h"

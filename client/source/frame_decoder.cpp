@@ -4,7 +4,6 @@
 
 #include "bad_image.h"
 #include "isostrata/frames.h"
-#include "isostrata/options.h"
 
 namespace isostrata::client {
 struct FrameDecoder::Parts {

@@ -1,6 +1,5 @@
 #include "bench/bench_device.h"
 
-#include <algorithm>
 #include <boost/json.hpp>
 #include <cmath>
 #include <cstdio>

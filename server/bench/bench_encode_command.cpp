@@ -3,7 +3,6 @@
 #include <boost/json.hpp>
 #include <cmath>
 #include <cstdio>
-#include <functional>
 #include <memory>
 
 #include "base/error.h"

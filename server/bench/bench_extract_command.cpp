@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <boost/json.hpp>
 #include <cstdio>
 #include <fstream>
@@ -21,7 +20,6 @@
 #include "extraction/intervals/extract_intervals.h"
 #include "extraction/unstructured/ordered_memory.h"
 #include "main/arguments.h"
-#include "main/picture_arguments.h"
 
 namespace isostrata {
 namespace {

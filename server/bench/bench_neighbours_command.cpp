@@ -28,7 +28,6 @@
 #include "bench/neighbour_works.h"
 #include "bench/plain_socket.h"
 #include "bench/turning_camera.h"
-#include "main/picture_arguments.h"
 #include "session/wire/random_token.h"
 
 namespace isostrata {

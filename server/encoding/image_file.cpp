@@ -1,7 +1,6 @@
 #include "encoding/image_file.h"
 
 #include <algorithm>
-#include <array>
 #include <cctype>
 #include <cmath>
 #include <fstream>

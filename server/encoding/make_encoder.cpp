@@ -1,4 +1,3 @@
-#include <mutex>
 
 #include "base/error.h"
 #include "encoding/encode_vp9.h"

@@ -4,10 +4,8 @@
 #include <algorithm>
 #include <boost/json.hpp>
 #include <cstdio>
-#include <filesystem>
 #include <fstream>
 #include <memory>
-#include <thread>
 
 #include "base/error.h"
 #include "base/parallel.h"

@@ -3,7 +3,6 @@
 #include <deque>
 #include <map>
 #include <memory>
-#include <utility>
 
 #include "main/arguments.h"
 

@@ -21,7 +21,6 @@
 #include "main/arguments.h"
 #include "main/commands.h"
 #include "main/film_file.h"
-#include "main/json_number.h"
 #include "main/picture_arguments.h"
 #include "main/ranks.h"
 #include "main/render_arguments.h"

@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "main/json_number.h"
-#include "main/picture_arguments.h"
 
 namespace isostrata {
 namespace {

@@ -6,7 +6,6 @@
 #include <exception>
 #include <new>
 #include <string>
-#include <string_view>
 #include <vector>
 
 #include "base/nearest_name.h"

@@ -1,5 +1,4 @@
 // section: layers cut by a plane, as areas.
-#include <array>
 #include <boost/json.hpp>
 #include <charconv>
 #include <cmath>

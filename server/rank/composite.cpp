@@ -2,7 +2,6 @@
 
 #include <IceTMPI.h>
 
-#include <algorithm>
 #include <string>
 
 #include "base/error.h"

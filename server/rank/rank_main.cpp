@@ -7,7 +7,6 @@
 #include <exception>
 #include <new>
 
-#include "base/error.h"
 #include "base/simd_level.h"
 #include "main/cache_environment.h"
 #include "main/commands.h"

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "base/nearest_name.h"
-#include "data/dataset/analytic.h"
 
 namespace isostrata {
 

@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <memory>
 #include <set>
-#include <string_view>
 
 #include "base/error.h"
 #include "data/files/file_series.h"

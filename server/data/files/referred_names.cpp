@@ -1,7 +1,6 @@
 #include "data/files/referred_names.h"
 
 #include <algorithm>
-#include <cctype>
 #include <functional>
 #include <set>
 #include <sstream>

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <set>
-#include <vector>
 
 #include "base/error.h"
 #include "data/files/file_series.h"

@@ -8,7 +8,6 @@
 #include <iterator>
 
 #include "data/parts/region.h"
-#include "data/parts/take_region.h"
 
 namespace isostrata {
 namespace {

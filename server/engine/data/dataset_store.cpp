@@ -4,7 +4,6 @@
 #include <chrono>
 #include <exception>
 #include <new>
-#include <vector>
 
 #include "base/work.h"
 #include "data/dataset/analytic.h"

@@ -1,6 +1,5 @@
 #include "engine/first/kept_first_view.h"
 
-#include <array>
 #include <cstring>
 #include <filesystem>
 #include <string>

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <utility>
 
 #include "data/dataset/array_or_first.h"
 #include "data/derived/nearest_points.h"

@@ -1,9 +1,6 @@
 #include "extraction/combine/combine_ranges.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
-#include <limits>
 #include <string>
 
 #include "base/parallel.h"

@@ -1,7 +1,6 @@
 #include "extraction/facets/weld_seams.h"
 
 #include <algorithm>
-#include <cmath>
 #include <numeric>
 #include <tuple>
 #include <vector>

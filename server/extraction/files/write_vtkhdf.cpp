@@ -1,7 +1,6 @@
 #include "extraction/files/write_vtkhdf.h"
 
 #include <algorithm>
-#include <array>
 #include <bit>
 #include <cstring>
 #include <limits>

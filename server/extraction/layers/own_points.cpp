@@ -1,7 +1,6 @@
 #include "extraction/layers/own_points.h"
 
 #include <limits>
-#include <string>
 
 #include "extraction/layers/join_meshes.h"
 #include "extraction/mesh/memory_budget.h"

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <span>
 
 #include "base/parallel.h"
 #include "extraction/cells/mesh_sums.h"

@@ -1,10 +1,8 @@
 #include "extraction/measure/components.h"
 
 #include <algorithm>
-#include <array>
 #include <limits>
 #include <numeric>
-#include <span>
 
 namespace isostrata {
 namespace {

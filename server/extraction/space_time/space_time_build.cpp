@@ -1,8 +1,6 @@
 #include <algorithm>
 #include <atomic>
 #include <bit>
-#include <cmath>
-#include <limits>
 #include <utility>
 
 #include "base/parallel.h"

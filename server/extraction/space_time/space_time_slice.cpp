@@ -1,7 +1,5 @@
 #include <algorithm>
-#include <atomic>
 #include <bit>
-#include <cmath>
 #include <limits>
 #include <span>
 #include <utility>

@@ -6,9 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <mutex>
-#include <numeric>
 #include <utility>
-#include <variant>
 
 #include "base/parallel.h"
 #include "extraction/intervals/extract_intervals.h"

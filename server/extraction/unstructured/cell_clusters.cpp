@@ -1,6 +1,5 @@
 #include "extraction/unstructured/cell_clusters.h"
 
-#include <array>
 #include <cmath>
 #include <limits>
 #include <mutex>

@@ -4,7 +4,6 @@
 #include <array>
 #include <atomic>
 #include <bit>
-#include <utility>
 
 #include "base/parallel.h"
 #include "extraction/cells/active_cells.h"

@@ -2,7 +2,6 @@
 #include <cstring>
 #include <map>
 #include <memory>
-#include <string_view>
 
 #include "import/adaptive/amrex_header.h"
 #include "import/adaptive/leaf_block.h"

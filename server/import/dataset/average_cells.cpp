@@ -6,7 +6,6 @@
 #include <cstring>
 #include <limits>
 #include <span>
-#include <utility>
 
 #include "import/dataset/close_seams.h"
 #include "import/imported/appended_file.h"

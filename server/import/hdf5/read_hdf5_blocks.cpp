@@ -5,7 +5,6 @@
 #include <cmath>
 #include <functional>
 #include <string>
-#include <utility>
 
 #include "import/adaptive/leaf_block.h"
 

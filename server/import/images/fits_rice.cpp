@@ -1,7 +1,6 @@
 #include "import/images/fits_rice.h"
 
 #include <algorithm>
-#include <bit>
 
 namespace isostrata {
 namespace {

@@ -6,7 +6,6 @@
 #include <cstring>
 #include <limits>
 #include <optional>
-#include <type_traits>
 #include <vector>
 
 #include "import/bytes/swap_bytes.h"

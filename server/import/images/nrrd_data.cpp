@@ -5,8 +5,6 @@
 
 #include <algorithm>
 #include <charconv>
-#include <cstring>
-#include <limits>
 
 #include "base/error.h"
 #include "import/bytes/swap_bytes.h"

@@ -5,7 +5,6 @@
 #include <limits>
 #include <tuple>
 #include <type_traits>
-#include <utility>
 
 #include "data/values/array_units.h"
 #include "import/bytes/swap_bytes.h"

@@ -1,6 +1,5 @@
 #include "import/imported/place_image.h"
 
-#include <algorithm>
 #include <cmath>
 
 namespace isostrata {

@@ -1,6 +1,5 @@
 // Loading PLOT3D files and reading numbers from them under one hypothesis.
 #include <algorithm>
-#include <bit>
 #include <charconv>
 #include <cmath>
 #include <cstddef>

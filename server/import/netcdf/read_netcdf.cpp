@@ -12,8 +12,6 @@
 #include <vtkStringArray.h>
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstddef>
 #include <cstdint>
 #include <map>

@@ -1,6 +1,5 @@
 #include "import/netcdf/netcdf_file.h"
 
-#include <functional>
 #include <numeric>
 
 #include "base/error.h"

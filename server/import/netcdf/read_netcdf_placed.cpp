@@ -13,7 +13,6 @@
 #include <vector>
 
 #include "data/values/array_units.h"
-#include "import/imported/read_own.h"
 #include "import/netcdf/cf_axes.h"
 #include "import/netcdf/netcdf_axes.h"
 #include "import/netcdf/netcdf_values.h"

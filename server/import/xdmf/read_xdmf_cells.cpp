@@ -9,12 +9,10 @@
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
 
-#include "data/files/recognise.h"
 #include "import/bytes/parsed_number.h"
 #include "import/xdmf/xdmf_grid.h"
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <boost/json/array.hpp>
 #include <boost/json/parse.hpp>
-#include <set>
 
 #include "base/error.h"
 #include "net/http/router.h"

@@ -1,7 +1,6 @@
 #include "net/rest/rest_api.h"
 
 #include <boost/json/serialize.hpp>
-#include <charconv>
 
 #include "net/http/problem.h"
 #include "net/rest/openapi.h"

@@ -6,7 +6,6 @@
 #include "net/http/json_body.h"
 #include "net/http/problem.h"
 #include "net/rest/rest_routes.h"
-#include "session/wire/wire.h"
 
 namespace isostrata {
 namespace {

@@ -15,7 +15,6 @@
 #include <boost/beast/websocket.hpp>
 #include <chrono>
 #include <deque>
-#include <limits>
 #include <optional>
 
 #include "session/wire/limits.h"

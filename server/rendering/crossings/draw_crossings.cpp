@@ -1,12 +1,9 @@
 #include "rendering/crossings/draw_crossings.h"
 
 #include <algorithm>
-#include <atomic>
 #include <limits>
 #include <map>
-#include <string>
 
-#include "base/error.h"
 #include "base/parallel.h"
 #include "base/stopwatch.h"
 #include "extraction/bricks/layer_bricks.h"

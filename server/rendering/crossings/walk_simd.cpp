@@ -1,8 +1,6 @@
 #include "rendering/crossings/walk_simd.h"
 
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstring>
 #include <limits>
 

@@ -1,7 +1,6 @@
 // Curvilinear grids need no matching: the neighbours are those of the indices. What is found out once is which faces there are
 // and which way they look.
 #include <algorithm>
-#include <mutex>
 
 #include "base/parallel.h"
 #include "rendering/order/face_graph.h"

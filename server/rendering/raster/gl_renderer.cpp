@@ -1,7 +1,6 @@
 #include "rendering/raster/gl_renderer.h"
 
 #include <algorithm>
-#include <cmath>
 #include <cstring>
 #include <map>
 #include <optional>

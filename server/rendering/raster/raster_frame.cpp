@@ -1,7 +1,5 @@
 #include "rendering/raster/raster_frame.h"
 
-#include <cmath>
-
 namespace isostrata {
 namespace {
 

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <atomic>
 #include <mutex>
-#include <vector>
 
 #include "base/parallel.h"
 #include "extraction/facets/closed_facets.h"

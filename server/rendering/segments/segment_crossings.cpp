@@ -1,8 +1,6 @@
 #include "rendering/segments/segment_crossings.h"
 
 #include <algorithm>
-#include <bit>
-#include <cmath>
 #include <utility>
 
 #undef HWY_TARGET_INCLUDE

@@ -1,7 +1,5 @@
 #include "rendering/tiles/resolve_simd.h"
 
-#include <cmath>
-
 #include "base/parallel.h"
 
 #undef HWY_TARGET_INCLUDE

@@ -1,7 +1,6 @@
 #include "session/commands/apply_command.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "engine/data/catalogue.h"

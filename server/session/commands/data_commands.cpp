@@ -3,7 +3,6 @@
 
 #include "session/commands/command_checks.h"
 #include "session/commands/scene_commands.h"
-#include "session/wire/wire.h"
 
 namespace isostrata {
 namespace {

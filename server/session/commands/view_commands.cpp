@@ -1,4 +1,3 @@
-#include <cmath>
 #include <utility>
 
 #include "session/commands/apply_command.h"
