@@ -82,6 +82,10 @@ struct Box3d {
   double diagonal() const { return empty() ? 0.0 : length(upper - lower); }
 };
 
+/// Axis by axis.
+constexpr Vec3d scaled(Vec3d place, Vec3d factors) { return {place.x * factors.x, place.y * factors.y, place.z * factors.z}; }
+inline Box3d scaled(const Box3d& box, Vec3d factors) { return box.empty() ? box : Box3d{scaled(box.lower, factors), scaled(box.upper, factors)}; }
+
 /// m[column][row].
 struct Mat4d {
   std::array<std::array<double, 4>, 4> m{};

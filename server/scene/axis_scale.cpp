@@ -8,10 +8,6 @@
 
 namespace isostrata {
 
-Vec3d scaled(Vec3d place, Vec3d axis_scale) { return {place.x * axis_scale.x, place.y * axis_scale.y, place.z * axis_scale.z}; }
-
-Box3d scaled(const Box3d& box, Vec3d axis_scale) { return box.empty() ? box : Box3d{scaled(box.lower, axis_scale), scaled(box.upper, axis_scale)}; }
-
 Vec3d unscaled(Vec3d place, Vec3d axis_scale) { return {place.x / axis_scale.x, place.y / axis_scale.y, place.z / axis_scale.z}; }
 
 void check_axis_scale(Vec3d axis_scale) {

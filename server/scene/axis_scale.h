@@ -9,10 +9,7 @@ namespace isostrata {
 
 inline constexpr Vec3d kUnscaled{1, 1, 1};
 
-/// From the dataset's space to the drawn one.
-Vec3d scaled(Vec3d place, Vec3d axis_scale);
-Box3d scaled(const Box3d& box, Vec3d axis_scale);
-/// And back.
+/// From the drawn space to the dataset's. The other way: scaled() of base/vec.h.
 Vec3d unscaled(Vec3d place, Vec3d axis_scale);
 
 /// Throws invalid_argument: a factor that is not a number from 1e-12 to 1e12.

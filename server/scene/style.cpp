@@ -5,6 +5,7 @@
 #include <cstdio>
 
 #include "base/error.h"
+#include "base/hex_digit.h"
 
 namespace isostrata {
 namespace {
@@ -21,24 +22,17 @@ constexpr std::array<Rgb, 10> kIntervalColors{{{0.90f, 0.12f, 0.12f},
                                                {0.50f, 0.30f, 0.85f},
                                                {0.95f, 0.60f, 0.65f}}};
 
-int hex_value(char c) {
-  if (c >= '0' && c <= '9') return c - '0';
-  if (c >= 'a' && c <= 'f') return c - 'a' + 10;
-  if (c >= 'A' && c <= 'F') return c - 'A' + 10;
-  return -1;
-}
-
 }  // namespace
 
 Rgb parse_rgb(std::string_view text) {
   const std::string_view digits = text.starts_with('#') ? text.substr(1) : std::string_view{};
   const bool short_form = digits.size() == 3;
   if ((digits.size() != 3 && digits.size() != 6) ||
-      !std::all_of(digits.begin(), digits.end(), [](char c) { return hex_value(c) >= 0; }))
+      !std::all_of(digits.begin(), digits.end(), [](char c) { return hex_digit(c) >= 0; }))
     throw Error(ErrorCode::invalid_argument, "colour '" + std::string(text) + "': expected #rrggbb or #rgb");
   Rgb rgb{};
   for (std::size_t c = 0; c < 3; ++c) {
-    const int value = short_form ? 17 * hex_value(digits[c]) : 16 * hex_value(digits[2 * c]) + hex_value(digits[2 * c + 1]);
+    const int value = short_form ? 17 * hex_digit(digits[c]) : 16 * hex_digit(digits[2 * c]) + hex_digit(digits[2 * c + 1]);
     rgb[c] = static_cast<float>(value) / 255.0f;
   }
   return rgb;

@@ -68,6 +68,9 @@ struct IntervalStyle {
 
   /// One colour and one extinction everywhere inside.
   bool constant() const { return color_map.empty() && !opacity_upper; }
+  bool has_interior() const { return opacity > 0 || opacity_upper.value_or(0) > 0; }
+  /// Invisible and wholly transparent intervals are not drawn.
+  bool drawn() const { return visible && (has_interior() || surface.drawn()); }
 };
 
 /// Extinction per world unit of length. An opacity of 1 is treated as 1 - 1e-6.

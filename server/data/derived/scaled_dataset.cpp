@@ -13,8 +13,6 @@
 namespace isostrata {
 namespace {
 
-Vec3d times(Vec3d place, Vec3d factors) { return {place.x * factors.x, place.y * factors.y, place.z * factors.z}; }
-
 /// In place of `points`, and kept alive by `storage` beside what that keeps.
 void scale_points(PointSpan& points, std::shared_ptr<const void>& storage, Vec3d factors) {
   std::visit(
@@ -41,8 +39,8 @@ void scale_points(PointSpan& points, std::shared_ptr<const void>& storage, Vec3d
 Grid scaled_grid(const Grid& grid, Vec3d factors) {
   Grid out = grid;
   if (auto* uniform = std::get_if<UniformGrid>(&out.shape)) {
-    uniform->origin = times(uniform->origin, factors);
-    uniform->spacing = times(uniform->spacing, factors);
+    uniform->origin = scaled(uniform->origin, factors);
+    uniform->spacing = scaled(uniform->spacing, factors);
   } else if (auto* rectilinear = std::get_if<RectilinearGrid>(&out.shape)) {
     for (int axis = 0; axis < 3; ++axis)
       for (double& place : rectilinear->axes[static_cast<std::size_t>(axis)]) place *= factors[axis];
@@ -57,7 +55,7 @@ Grid scaled_grid(const Grid& grid, Vec3d factors) {
 Dataset with_grid(const Dataset& dataset, Grid grid, Vec3d factors) {
   Dataset out = dataset;
   out.grid = std::move(grid);
-  if (!out.bounds.empty()) out.bounds = {times(out.bounds.lower, factors), times(out.bounds.upper, factors)};
+  out.bounds = scaled(out.bounds, factors);
   if (!out.whole) return out;
   auto whole = std::make_shared<WholeOfPart>(*out.whole);
   whole->regions = scaled_regions(whole->regions, factors);

@@ -59,7 +59,6 @@ std::optional<Crossing> crossing_of(const IntervalMesh& mesh, const std::array<s
   return of;
 }
 
-bool has_interior(const IntervalStyle& style) { return style.opacity > 0 || style.opacity_upper.value_or(0) > 0; }
 
 bool draws(const SurfaceStyle& surface, FacetLabel label) {
   return surface.drawn() && (label == FacetLabel::lower ? surface.lower : label == FacetLabel::upper ? surface.upper : surface.domain);
@@ -109,7 +108,7 @@ std::optional<RayHit> first_hit(const IntervalMesh& mesh, std::span<const Interv
   for (std::size_t t = 0; t < mesh.tetrahedra.size(); ++t) {
     const std::size_t index = mesh.tetrahedron_interval[t];
     const IntervalStyle& style = styles[index];
-    if (!style.visible || !has_interior(style)) continue;
+    if (!style.visible || !style.has_interior()) continue;
     const auto segment = segment_of(mesh, mesh.tetrahedra[t], ray);
     if (!segment || !nearest.takes(style, segment->enter)) continue;
     nearest.set(style, {segment->enter, segment->leave, index, t, false, mesh.tetrahedra[t], weights_at(*segment, segment->enter)});
@@ -119,7 +118,7 @@ std::optional<RayHit> first_hit(const IntervalMesh& mesh, std::span<const Interv
     const BoundaryFacet& facet = mesh.facets[f];
     const IntervalStyle& style = styles[facet.interval];
     const bool area = mesh.tetrahedra.empty();
-    if (!style.visible || (has_interior(style) && !area) || !draws(style.surface, facet.label)) continue;
+    if (!style.visible || (style.has_interior() && !area) || !draws(style.surface, facet.label)) continue;
     const auto crossing = crossing_of(mesh, facet.points, ray);
     if (!crossing || !nearest.takes(style, crossing->at)) continue;
     nearest.set(style, {crossing->at, crossing->at, facet.interval, f, true, {facet.points[0], facet.points[1], facet.points[2], facet.points[0]}, crossing->weights, &facet});

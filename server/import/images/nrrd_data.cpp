@@ -7,6 +7,7 @@
 #include <charconv>
 
 #include "base/error.h"
+#include "base/hex_digit.h"
 #include "import/bytes/swap_bytes.h"
 
 namespace isostrata {
@@ -106,10 +107,7 @@ std::vector<std::byte> decode_hex(std::span<const std::byte> in, std::size_t mos
     int digits = 0, value = 0;
     for (; at < in.size() && made < room; ++at) {
       const char c = std::to_integer<char>(in[at]);
-      const int digit = c >= '0' && c <= '9'   ? c - '0'
-                        : c >= 'a' && c <= 'f' ? c - 'a' + 10
-                        : c >= 'A' && c <= 'F' ? c - 'A' + 10
-                                               : -1;
+      const int digit = hex_digit(c);
       if (digit < 0) {
         if (c != ' ' && c != '\n' && c != '\r' && c != '\t')
           throw Error(ErrorCode::bad_data, name + ": byte " + std::to_string(at) + " of its hex data is not a hex digit");

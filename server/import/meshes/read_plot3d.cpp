@@ -4,17 +4,13 @@
 #include <cctype>
 #include <cstddef>
 
+#include "data/files/recognise.h"
 #include "import/meshes/plot3d_layout.h"
 
 namespace isostrata {
 namespace {
 
 namespace fs = std::filesystem;
-
-std::string lower(std::string text) {
-  std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return text;
-}
 
 std::string upper_case(std::string text) {
   std::transform(text.begin(), text.end(), text.begin(), [](unsigned char c) { return static_cast<char>(std::toupper(c)); });
@@ -24,7 +20,7 @@ std::string upper_case(std::string text) {
 /// `name` with the last `from` (any case) replaced by `to`, in upper case where `from` stood in upper case; empty if there is
 /// none.
 std::string replaced(const std::string& name, const std::string& from, std::string to) {
-  const auto at = lower(name).rfind(from);
+  const auto at = small_letters(name).rfind(from);
   if (at == std::string::npos) return {};
   if (std::isupper(static_cast<unsigned char>(name[at]))) to = upper_case(to);
   return name.substr(0, at) + to + name.substr(at + from.size());
@@ -66,7 +62,7 @@ std::vector<std::string> grid_names(const fs::path& solution) {
   std::string stem = solution.stem().string();
   const std::string extension = solution.extension().string();
   std::vector<std::string> names;
-  if (lower(solution.extension().string()) != ".q" && lower(solution.extension().string()) != ".f" && !stem.empty())
+  if (small_letters(solution.extension().string()) != ".q" && small_letters(solution.extension().string()) != ".f" && !stem.empty())
     names.push_back(stem.substr(0, stem.size() - 1) + "xyz" + solution.extension().string());
   for (;;) {  // "multi-bin-oflow.q" belongs to "multi-bin.xyz"
     const bool upper = extension.size() > 1 && std::isupper(static_cast<unsigned char>(extension[1]));
@@ -78,8 +74,8 @@ std::vector<std::string> grid_names(const fs::path& solution) {
 }
 
 Files find_files(const fs::path& file) {
-  const std::string name = file.filename().string(), extension = lower(file.extension().string());
-  const bool solution = extension == ".q" || (extension != ".f" && lower(file.stem().string()).ends_with("q"));
+  const std::string name = file.filename().string(), extension = small_letters(file.extension().string());
+  const bool solution = extension == ".q" || (extension != ".f" && small_letters(file.stem().string()).ends_with("q"));
   Files files;
   if (solution || extension == ".f") {
     const auto names = grid_names(file);

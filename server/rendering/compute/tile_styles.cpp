@@ -14,10 +14,6 @@ namespace {
 
 constexpr double kLargestExtinction = 1e20;  // keeps extinction times length a number
 
-bool is_drawn(const IntervalStyle& style) {
-  return style.visible && (style.opacity > 0 || style.opacity_upper.value_or(0) > 0 || style.surface.drawn());
-}
-
 /// Puts colour maps behind the styles, each once.
 class MapRows {
  public:
@@ -71,7 +67,7 @@ TileStyles tile_styles(const DrawInput& input, double scale) {
   // Groups, the highest priority first, and which of them are of one colour.
   std::map<int, std::vector<std::size_t>, std::greater<>> groups;
   for (std::size_t i = 0; i < input.styles.size(); ++i) {
-    styles.drawn.push_back(is_drawn(input.styles[i]));
+    styles.drawn.push_back(input.styles[i].drawn());
     if (styles.drawn[i]) groups[prioritized ? input.styles[i].priority : 0].push_back(i);
   }
   styles.groups = static_cast<std::uint32_t>(std::max<std::size_t>(1, groups.size()));

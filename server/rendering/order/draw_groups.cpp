@@ -8,11 +8,6 @@
 namespace isostrata {
 namespace {
 
-/// Invisible and wholly transparent intervals are not drawn.
-bool is_drawn(const IntervalStyle& style) {
-  return style.visible && (style.opacity > 0 || style.opacity_upper.value_or(0) > 0 || style.surface.drawn());
-}
-
 VisibilityOrder order_group(const DrawInput& input, const std::vector<std::size_t>& members) {
   std::vector<std::uint8_t> drawn(input.styles.size(), 0), one_color(input.styles.size(), 0);
   bool same_color = true;
@@ -34,7 +29,7 @@ VisibilityOrder order_group(const DrawInput& input, const std::vector<std::size_
 VisibilityOrder order_groups(const DrawInput& input) {
   std::map<int, std::vector<std::size_t>> groups;
   for (std::size_t i = 0; i < input.styles.size(); ++i)
-    if (is_drawn(input.styles[i])) groups[input.mode == RenderMode::prioritized ? input.styles[i].priority : 0].push_back(i);
+    if (input.styles[i].drawn()) groups[input.mode == RenderMode::prioritized ? input.styles[i].priority : 0].push_back(i);
 
   VisibilityOrder all{{}, "none needed", true};
   for (const auto& [priority, members] : groups) {

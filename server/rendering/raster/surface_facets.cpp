@@ -54,7 +54,7 @@ std::vector<std::uint32_t> drawn_parts(const std::vector<IntervalStyle>& styles)
   for (const IntervalStyle& style : styles) {
     std::uint32_t bits = 0;
     if (style.visible) {
-      if (style.opacity > 0 || style.opacity_upper.value_or(0) > 0) bits |= DRAW_VOLUME;
+      if (style.has_interior()) bits |= DRAW_VOLUME;
       if (style.surface.drawn()) {
         const bool labels[3] = {style.surface.lower, style.surface.upper, style.surface.domain};
         for (std::uint32_t label = 0; label < 3; ++label)
