@@ -105,6 +105,28 @@ TEST_F(Pieces, AreTheGridThatTheyArePiecesOf) {
   }
 }
 
+TEST_F(Pieces, MeetWhereTheirNumbersWereRoundedInTwoWays) {
+  const auto whole = test::open(scratch_.write("whole.vtu", bar(0, 9).text()));
+  VtuText right = bar(4, 9, [](const Vec3d& p) { return std::nextafter(linear(p), 100.0); });
+  for (Vec3d& p : right.points) p = {std::nextafter(p.x, 100.0), std::nextafter(p.y, -100.0), std::nextafter(p.z, 100.0)};
+  const auto pieces = open({bar(0, 4).text(), right.text()});
+  EXPECT_EQ(pieces->grid.point_count(), whole->grid.point_count());
+  EXPECT_EQ(open_faces(*pieces), open_faces(*whole));
+  EXPECT_TRUE(says(*pieces, "6 points that 2 pieces share are one point each"));
+}
+
+TEST_F(Pieces, OfAMeshAsFineAsItsRoundingAreJoinedToTheLastBitOnly) {
+  const auto fine = [](int from, int to) {
+    VtuText vtu = bar(from, to);
+    for (Vec3d& p : vtu.points) p = {1e6 + p.x * 1e-8, 1e6 + p.y * 1e-8, 1e6 + p.z * 1e-8};
+    return vtu.text();
+  };
+  const auto whole = test::open(scratch_.write("whole.vtu", fine(0, 9)));
+  const auto pieces = open({fine(0, 4), fine(4, 9)});
+  EXPECT_EQ(pieces->grid.point_count(), whole->grid.point_count());
+  EXPECT_EQ(open_faces(*pieces), open_faces(*whole));
+}
+
 TEST_F(Pieces, GhostCellsAreLeftOutWithTheirValues) {
   const auto whole = test::open(scratch_.write("whole.vtu", bar(0, 9).text()));
   const auto piece = [](int from, int to, int own_from, int own_to) {

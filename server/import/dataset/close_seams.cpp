@@ -8,11 +8,12 @@
 #include <utility>
 
 #include "data/grids/grid_sheets.h"
+#include "import/dataset/near_values.h"
 
 namespace isostrata {
 namespace {
 
-constexpr double kOfTheNextSheet = 1e-6, kLeastOfTheNextSheet = 0.01, kOfTheRange = 1e-6, kRoundings = 8;
+constexpr double kOfTheNextSheet = 1e-6, kLeastOfTheNextSheet = 0.01;
 
 template <class Point>
 bool same_place(const Point& first, const Point& last, const Point& next) {
@@ -27,15 +28,6 @@ bool same_place(const Point& first, const Point& last, const Point& next) {
   return apart(first, last) <= std::min(std::max(kOfTheNextSheet * way, rounding), kLeastOfTheNextSheet * way);
 }
 
-template <class T>
-bool same_value(T first, T last, double range) {
-  if (first == last || (first != first && last != last)) return true;
-  if constexpr (std::is_integral_v<T>) return false;  // whole numbers are never rounded
-  const auto a = static_cast<double>(first), b = static_cast<double>(last);
-  const double rounding = kRoundings * static_cast<double>(std::numeric_limits<T>::epsilon()) * std::max(std::abs(a), std::abs(b));
-  return std::abs(a - b) <= std::max(kOfTheRange * range, rounding);
-}
-
 /// Tuples of one kind of number.
 template <class T>
 struct Tuples {
@@ -48,21 +40,10 @@ struct Tuples {
   }
   bool near(std::int64_t p, std::int64_t q, std::span<const double> ranges) const {
     for (std::size_t c = 0; c < components; ++c)
-      if (!same_value(values[static_cast<std::size_t>(p) * components + c], values[static_cast<std::size_t>(q) * components + c],
+      if (!near_value(values[static_cast<std::size_t>(p) * components + c], values[static_cast<std::size_t>(q) * components + c],
                       ranges[c]))
         return false;
     return true;
-  }
-  /// Of the finite values of each component.
-  std::vector<double> ranges() const {
-    std::vector<double> out;
-    for (std::size_t c = 0; c < components; ++c) {
-      double lower = std::numeric_limits<double>::infinity(), upper = -lower;
-      for (std::size_t at = c; at < values.size(); at += components)
-        if (const auto v = static_cast<double>(values[at]); std::isfinite(v)) lower = std::min(lower, v), upper = std::max(upper, v);
-      out.push_back(lower < upper ? upper - lower : 0);
-    }
-    return out;
   }
 };
 
@@ -106,7 +87,7 @@ bool close_values(FileArray& array, const GridSheets& sheets) {
         const auto components = static_cast<std::size_t>(array.components);
         const Tuples<T> tuples{values, components};
         if (sheets.all_of([&](std::int64_t p) { return tuples.same(p, p + sheets.last()); })) return true;
-        const std::vector<double> ranges = tuples.ranges();
+        const std::vector<double> ranges = ranges_of(values, components);
         if (!sheets.all_of([&](std::int64_t p) { return tuples.near(p, p + sheets.last(), ranges); })) return false;
         array.values = std::as_bytes(closed<T>(values, components, sheets, array.storage));
         return true;

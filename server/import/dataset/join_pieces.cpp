@@ -1,8 +1,6 @@
 #include "import/dataset/join_pieces.h"
 
 #include <algorithm>
-#include <array>
-#include <bit>
 #include <cmath>
 #include <cstddef>
 #include <cstring>
@@ -10,20 +8,15 @@
 #include <unordered_map>
 #include <utility>
 
+#include "import/dataset/near_points.h"
+#include "import/dataset/near_values.h"
+
 namespace isostrata {
 namespace {
-
-using Place = std::array<double, 3>;
 
 std::uint64_t mixed(std::uint64_t hash, std::uint64_t next) {
   hash = (hash ^ next) * 0x9e3779b97f4a7c15ull;
   return hash ^ hash >> 29;
-}
-
-std::uint64_t hash_of(const Place& at) {
-  std::uint64_t hash = 0;
-  for (const double x : at) hash = mixed(hash, std::bit_cast<std::uint64_t>(x));
-  return hash;
 }
 
 struct IdsHash {
@@ -42,7 +35,8 @@ class Joiner {
         first_points_(first_points),
         first_cells_(first_cells),
         global_points_(global_points),
-        stands_for_(static_cast<std::size_t>(block.grid.point_count())) {
+        stands_for_(static_cast<std::size_t>(block.grid.point_count())),
+        ranges_(block.arrays.size()) {
     std::iota(stands_for_.begin(), stands_for_.end(), 0);
   }
 
@@ -62,17 +56,24 @@ class Joiner {
   }
 
  private:
-  Place place(std::int64_t p) const {
-    const Vec3d at = block_.grid.point(p);
-    return {at.x + 0.0, at.y + 0.0, at.z + 0.0};  // -0 is 0
-  }
-
-  bool same_values(std::int64_t p, std::int64_t q) const {
-    return std::all_of(block_.arrays.begin(), block_.arrays.end(), [&](const FileArray& array) {
-      const std::size_t tuple = size_of(array.type) * static_cast<std::size_t>(array.components);
-      return array.on_cells || (array.partial && (no_value(array, p) || no_value(array, q))) ||
-             std::memcmp(array.values.data() + static_cast<std::size_t>(p) * tuple, array.values.data() + static_cast<std::size_t>(q) * tuple, tuple) == 0;
-    });
+  bool same_values(std::int64_t p, std::int64_t q) {
+    for (std::size_t a = 0; a < block_.arrays.size(); ++a) {
+      const FileArray& array = block_.arrays[a];
+      if (array.on_cells || (array.partial && (no_value(array, p) || no_value(array, q)))) continue;
+      const bool same = std::visit(
+          [&](auto values) {
+            const auto n = static_cast<std::size_t>(array.components);
+            const auto of_p = values.subspan(static_cast<std::size_t>(p) * n, n), of_q = values.subspan(static_cast<std::size_t>(q) * n, n);
+            if (std::memcmp(of_p.data(), of_q.data(), of_p.size_bytes()) == 0) return true;
+            if (ranges_[a].empty()) ranges_[a] = ranges_of(values, n);
+            for (std::size_t c = 0; c < n; ++c)
+              if (!near_value(of_p[c], of_q[c], ranges_[a][c])) return false;
+            return true;
+          },
+          scalar_span(array.type, array.values));
+      if (!same) return false;
+    }
+    return true;
   }
 
   bool may_be_one(std::int64_t p, std::int64_t q) const {
@@ -105,39 +106,25 @@ class Joiner {
   }
 
   void find_common_points() {
-    std::vector<std::pair<std::uint64_t, std::int64_t>> order(stands_for_.size());  // by place, then by number
-    for (std::size_t p = 0; p < order.size(); ++p)
-      order[p] = {hash_of(place(static_cast<std::int64_t>(p))), static_cast<std::int64_t>(p)};
-    std::sort(order.begin(), order.end());
-    struct Candidate {
-      std::int64_t point = 0;
-      Place at{};
-      std::size_t newest = 0;  // the last piece that has this point
-    };
-    std::vector<Candidate> candidates;
-    for (std::size_t begin = 0, end = 0; begin < order.size(); begin = end) {
-      for (end = begin + 1; end < order.size() && order[end].first == order[begin].first; ++end) {
+    const NearPoints near(block_.grid);
+    std::vector<std::size_t> newest(stands_for_.size());  // of a point that stands for others: the last piece that has it
+    for (std::int64_t p = 0; p < block_.grid.point_count(); ++p) {
+      const std::size_t piece = newest[static_cast<std::size_t>(p)] = piece_of(p);
+      bool met = false;
+      const std::int64_t same = near.first(p, [&](std::int64_t other) {
+        std::size_t& last = newest[static_cast<std::size_t>(other)];
+        if (stands_for_[static_cast<std::size_t>(other)] != other || last == piece || !may_be_one(p, other)) return false;  // two points of one piece are two points
+        met = true;
+        return same_values(p, other);
+      });
+      if (same == p) {
+        apart_ += met;
+        continue;
       }
-      if (end - begin == 1) continue;
-      candidates.clear();
-      for (std::size_t i = begin; i < end; ++i) {
-        const Candidate own{order[i].second, place(order[i].second), piece_of(order[i].second)};
-        bool met = false;
-        const auto same = std::find_if(candidates.begin(), candidates.end(), [&](const Candidate& other) {
-          if (other.at != own.at || other.newest == own.newest || !may_be_one(own.point, other.point)) return false;  // two points of one piece are two points
-          met = true;
-          return same_values(own.point, other.point);
-        });
-        if (same == candidates.end()) {
-          candidates.push_back(own);
-          apart_ += met;
-          continue;
-        }
-        stands_for_[static_cast<std::size_t>(own.point)] = same->point;
-        take_values(same->point, own.point);
-        same->newest = own.newest;
-        ++joined_;
-      }
+      stands_for_[static_cast<std::size_t>(p)] = same;
+      take_values(same, p);
+      newest[static_cast<std::size_t>(same)] = piece;
+      ++joined_;
     }
   }
 
@@ -222,6 +209,7 @@ class Joiner {
   UnstructuredGrid& grid_;
   const std::span<const std::int64_t> first_points_, first_cells_, global_points_;
   std::vector<std::int64_t> stands_for_;  // [np] the first of the points that are one with it
+  std::vector<std::vector<double>> ranges_;  // of each array's components, once they are asked for
   std::vector<bool> common_;              // of the points that are left: several pieces have it
   std::int64_t joined_ = 0, apart_ = 0, doubled_ = 0;
 };
