@@ -12,15 +12,14 @@
 
 namespace isostrata {
 
-/// The first 4 MiB of a file, all of it if it is shorter; empty if it is not a regular file or cannot be read.
-inline std::string file_beginning(const std::filesystem::path& file) {
-  constexpr std::uintmax_t kMostBytes = std::uintmax_t{4} << 20;
+/// The first `most` bytes of a file, all of it if it is shorter; empty if it is not a regular file or cannot be read.
+inline std::string file_beginning(const std::filesystem::path& file, std::uintmax_t most = std::uintmax_t{4} << 20) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(file, error)) return {};
   const std::uintmax_t size = std::filesystem::file_size(file, error);
   if (error) return {};
   std::ifstream in(file, std::ios::binary);
-  std::string text(static_cast<std::size_t>(std::min(size, kMostBytes)), '\0');
+  std::string text(static_cast<std::size_t>(std::min(size, most)), '\0');
   in.read(text.data(), static_cast<std::streamsize>(text.size()));
   text.resize(static_cast<std::size_t>(std::max<std::streamsize>(in.gcount(), 0)));
   return text;

@@ -4,11 +4,10 @@
 #include <cctype>
 #include <charconv>
 #include <cmath>
-#include <cstddef>
-#include <fstream>
-#include <ios>
 #include <iterator>
 #include <system_error>
+
+#include "data/files/file_beginning.h"
 
 namespace isostrata {
 
@@ -36,10 +35,7 @@ namespace {
 /// A field on cells, also one of a collated file; what is packed may be one.
 bool may_be_field(const fs::path& file) {
   if (file.extension() == ".gz") return true;
-  std::ifstream in(file, std::ios::binary);
-  std::string head(16384, '\0');
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(std::max<std::streamsize>(in.gcount(), 0)));
+  const std::string head = file_beginning(file, 16384);
   for (auto at = head.find("class"); at != std::string::npos; at = head.find("class", at + 5))
     if (const auto word = head.find_first_not_of(" \t", at + 5); word != std::string::npos && head.compare(word, 3, "vol") == 0) return true;
   return false;

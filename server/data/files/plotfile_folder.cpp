@@ -1,19 +1,16 @@
 #include "data/files/plotfile_folder.h"
 
-#include <algorithm>
-#include <fstream>
 #include <string>
 #include <system_error>
+
+#include "data/files/file_beginning.h"
 
 namespace isostrata {
 
 bool is_plotfile(const std::filesystem::path& folder) {
   std::error_code error;
   if (!std::filesystem::is_regular_file(folder / "Header", error) || !std::filesystem::is_directory(folder / "Level_0", error)) return false;
-  std::ifstream in(folder / "Header", std::ios::binary);
-  std::string head(256, '\0');
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(std::max<std::streamsize>(in.gcount(), 0)));
+  const std::string head = file_beginning(folder / "Header", 256);
   const std::size_t first = head.find('\n'), version = head.find("-V");
   if (first == std::string::npos || version == std::string::npos || version > first) return false;
   const std::string components = head.substr(first + 1, head.find('\n', first + 1) - first - 1);

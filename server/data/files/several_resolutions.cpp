@@ -3,12 +3,12 @@
 #include <algorithm>
 #include <cstddef>
 #include <cstdint>
-#include <fstream>
-#include <ios>
 #include <set>
 #include <string>
 #include <string_view>
 #include <vector>
+
+#include "data/files/file_beginning.h"
 
 namespace isostrata {
 namespace {
@@ -51,10 +51,7 @@ bool are_two_alike(std::span<const LookedAt* const> files) {
 }
 
 std::string said_sizes(const std::filesystem::path& file, const Statement& statement) {
-  std::ifstream in(file, std::ios::binary);
-  std::string head(kStatement, '\0');
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(std::max<std::streamsize>(in.gcount(), 0)));
+  const std::string head = file_beginning(file, kStatement);
   const auto at = head.find(statement.begin);
   if (at == std::string::npos) return {};
   const auto begin = at + statement.begin.size();

@@ -8,13 +8,12 @@
 #include <cstdint>
 #include <cstring>
 #include <filesystem>
-#include <fstream>
-#include <ios>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <system_error>
 
+#include "data/files/file_beginning.h"
 #include "import/imported/xml_arrays.h"
 
 namespace isostrata {
@@ -64,10 +63,7 @@ std::optional<double> of_legacy(std::string_view head, std::string_view array) {
 }  // namespace
 
 std::optional<double> declared_time(const std::filesystem::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::string head(64 << 10, '\0');
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(std::max<std::streamsize>(in.gcount(), 0)));
+  const std::string head = file_beginning(file, 64 << 10);
   const bool xml = head.find("<VTKFile") != std::string::npos;
   for (const char* array : {"TimeValue", "TIME"})
     if (const auto time = xml ? of_xml(file, head, array) : of_legacy(head, array)) return time;

@@ -9,6 +9,7 @@
 #include <system_error>
 #include <utility>
 
+#include "data/files/file_beginning.h"
 #include "data/files/openfoam_case.h"
 #include "import/bytes/mapped_file.h"
 #include "import/bytes/parsed_number.h"
@@ -104,10 +105,7 @@ std::vector<std::string_view> blocks_of(std::string_view text, std::size_t expec
 
 /// What VTK's reader reads, not what flows through faces.
 bool is_field(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::string head(4 * kLongestHead, '\0');
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(std::max<std::streamsize>(in.gcount(), 0)));
+  const std::string head = file_beginning(file, 4 * kLongestHead);
   if (class_of(head) != "decomposedBlockData") return false;
   const std::string_view kind = class_of(std::string_view(head).substr(end_of_header(head)));
   return kind.starts_with("vol") || kind.starts_with("point");
