@@ -7,14 +7,14 @@ import type { DatasetInfo } from '../../web/src/lib/told';
 import { Server } from './server';
 import { launch, Viewer } from './viewer';
 
-/** 24 x 24 x 24 distances from a point that moves with `at`, times `scale`. */
-function field(at: number, scale = 1): Uint8Array {
+/** 24 x 24 x 24 distances from a point that moves with `at`, times `scale`, above `least`. */
+function field(at: number, scale = 1, least = 0): Uint8Array {
   const n = 24;
   const head = `NRRD0004\ntype: float\ndimension: 3\nsizes: ${n} ${n} ${n}\nencoding: raw\nendian: little\n\n`;
   const values = new Float32Array(n * n * n);
   for (let k = 0; k < n; k++)
     for (let j = 0; j < n; j++)
-      for (let i = 0; i < n; i++) values[(k * n + j) * n + i] = scale * Math.hypot(i - at, j - n / 2, k - n / 2);
+      for (let i = 0; i < n; i++) values[(k * n + j) * n + i] = least + scale * Math.hypot(i - at, j - n / 2, k - n / 2);
   return Buffer.concat([Buffer.from(head), Buffer.from(values.buffer)]);
 }
 
@@ -92,6 +92,17 @@ test('the list, the time slider and the marks follow the files', async () => {
     expect(JSON.stringify(viewer.state.camera)).toBe(camera);
     expect(infoOf(viewer)?.arrays[0]?.upper).toBeCloseTo(1.5 * upper, 3);
 
+    // The page says that the values are others, and fits the layers to them if it is told to.
+    const fit = page.getByRole('button', { name: 'Fit layers to the new values' });
+    expect(await page.getByText(/The values were .* and are .* now/).textContent()).toContain('The layers keep their ends.');
+    await viewer.photograph('other-values.png');
+    const old = viewer.state.intervals;
+    await fit.click();
+    await viewer.until('fitted layers', ({ intervals }) => intervals.every((now, i) => Math.abs(now.upper - 1.5 * old[i]!.upper) < 0.02 * now.upper));
+    expect(await fit.count()).toBe(0);
+    await page.getByRole('button', { name: /^Undo/ }).click();
+    await viewer.until('the layers of before', ({ intervals }) => intervals.every((now, i) => now.upper === old[i]!.upper));
+
     // It is deleted: shown from memory, and marked.
     unlinkSync(join(folder, 'many', 'late.nrrd'));
     await page.getByText('This file is gone from the disk').waitFor();
@@ -104,6 +115,44 @@ test('the list, the time slider and the marks follow the files', async () => {
     await expect.poll(() => files.getByRole('listitem').count()).toBe(100);
     await files.getByRole('button', { name: 'Later names' }).click();
     await expect.poll(() => files.getByRole('listitem').count()).toBe(51); // the one that is gone is listed yet
+    expect(viewer.problems).toEqual([]);
+  } finally {
+    await browser.close();
+    await server.stop();
+    rmSync(folder, { recursive: true, force: true });
+  }
+});
+
+test('of a step whose values no layer holds the page says so, and fits the layers to them', async () => {
+  const folder = mkdtempSync(join(tmpdir(), 'isostrata-e2e-beyond-'));
+  writeFileSync(join(folder, 'jump_1.nrrd'), field(6));
+  writeFileSync(join(folder, 'jump_2.nrrd'), field(6, 1, 1000));
+  const server = await Server.start({ data: [folder] });
+  const browser = await launch();
+  try {
+    const viewer = await Viewer.open(browser, server.ready.url, { width: 1280, height: 900 });
+    const { page } = viewer;
+    await viewer.until('layers', (state) => state.intervals.length > 0);
+    const [layer] = await viewer.layersOfOurOwn(1);
+    for (const [end, text] of [['lower', '2'], ['upper', '4']] as const) {
+      const field = viewer.row(layer!).getByRole('textbox', { name: `${end} end` });
+      await field.fill(text);
+      await field.press('Enter');
+    }
+    await viewer.until('2 … 4', ({ intervals: [now] }) => now?.lower === 2 && now.upper === 4);
+    const said = page.getByText('No layer holds a value of this step');
+    const slider = page.getByRole('slider', { name: 'Time', exact: true });
+    await slider.fill('0');
+    await viewer.until('the first step', (state) => state.step === 0);
+    await expect.poll(() => said.count()).toBe(0);
+    await slider.fill('1');
+    await said.waitFor();
+    await viewer.photograph('no-value-of-this-step.png');
+    await page.getByRole('button', { name: 'Fit layers to these values' }).click();
+    await viewer.until('the layer among them', ({ intervals: [now] }) => !!now && now.lower >= 1000 && now.upper > now.lower);
+    await said.waitFor({ state: 'detached' });
+    await page.getByRole('button', { name: /^Undo/ }).click();
+    await viewer.until('the layer of before', (state) => state.intervals[0]?.lower === 2);
     expect(viewer.problems).toEqual([]);
   } finally {
     await browser.close();

@@ -78,7 +78,7 @@ export class Viewer {
   static async open(
     browser: Browser,
     url: string,
-    options: { width?: number; height?: number; colorScheme?: 'dark' | 'light'; calm?: boolean; before?: (() => void)[]; refines?: boolean; login?: { username: string; password: string } } = {},
+    options: { width?: number; height?: number; colorScheme?: 'dark' | 'light'; calm?: boolean; before?: (() => void)[]; refines?: boolean; login?: { username: string; password: string }; blank?: boolean } = {},
   ): Promise<Viewer> {
     const context = await browser.newContext({
       viewport: { width: options.width ?? 1100, height: options.height ?? 760 },
@@ -100,7 +100,7 @@ export class Viewer {
     );
     const address = new URL(url);
     if (!options.refines) address.searchParams.set('samples', '1'); // pictures that are compared are the ones that `render` writes
-    await page.goto(address.href);
+    await page.goto(options.blank ? 'about:blank' : address.href);
     return viewer;
   }
 

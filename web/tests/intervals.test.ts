@@ -2,6 +2,8 @@ import { describe, expect, test } from 'vitest';
 import {
   axisRange,
   drawn,
+  fitted,
+  hull,
   keyToValue,
   leastWidth,
   move,
@@ -218,5 +220,26 @@ describe('an interval that is open', () => {
     expect(keyToValue('ArrowLeft', false, above, 'upper', axis)).toBeLessThan(10);
     expect(resize(above, 'upper', 9, axis)).toEqual({ lower: 4, upper: 9 });
     expect(snapCandidates(axis, [{ ...above, id: 1 } as Interval], 2).every(Number.isFinite)).toBe(true);
+  });
+});
+
+describe('fitting to other values', () => {
+  test('keeps the places of the ends, what touches, and what is open; there and back is where it was', () => {
+    for (let seed = 1; seed <= 200; seed++) {
+      const random = seeded(seed);
+      const range = (): Range => {
+        const lower = (random() - 0.5) * 10 ** Math.floor(random() * 6 - 3);
+        return { lower, upper: lower + 10 ** Math.floor(random() * 6 - 3) };
+      };
+      const [from, to] = [range(), range()];
+      const at = [0, random(), 1].sort((a, b) => a - b).map((t) => from.lower + t * (from.upper - from.lower)) as [number, number, number];
+      const [low, high] = [fitted({ lower: from.lower, upper: at[1] }, from, to), fitted({ lower: at[1], upper: from.upper }, from, to)];
+      expect(low.upper, `seed ${seed}`).toBe(high.lower);
+      expect([low.lower, high.upper], `seed ${seed}`).toEqual([to.lower, to.upper]);
+      const back = fitted(low, to, from);
+      expect(Math.abs(back.upper - at[1]) / (from.upper - from.lower), `seed ${seed}`).toBeLessThan(0.004); // rounded twice
+    }
+    expect(fitted({ lower: 2, upper: Infinity }, { lower: 0, upper: 4 }, { lower: 100, upper: 200 })).toEqual({ lower: 150, upper: Infinity });
+    expect(hull([{ lower: 1, upper: Infinity }, { lower: -2, upper: 3 }])).toEqual({ lower: -2, upper: 3 });
   });
 });

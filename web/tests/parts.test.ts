@@ -113,9 +113,17 @@ describe('the open dataset', () => {
     dataset.told(info(1, 2));
     expect(dataset.wants({ ...shown, step: 1 })).not.toBeNull();
     dataset.sent(5);
-    expect([dataset.refused(4), dataset.wants({ ...shown, step: 1 })]).toEqual([false, null]); // of what was shown before
-    expect(dataset.refused(5)).toBe(true);
+    dataset.refused(4, 'no', false);
+    expect([dataset.uncounted, dataset.wants({ ...shown, step: 1 })]).toEqual(['', null]); // of what was shown before
+    dataset.refused(5, 'no', false);
+    expect(dataset.uncounted).toBe('no');
     expect(dataset.wants({ ...shown, step: 1 })).not.toBeNull();
+    dataset.sent(6);
+    dataset.refused(6, 'Cancelled.', true);
+    expect(dataset.wants({ ...shown, step: 1 })).toBeNull();
+    expect(dataset.wants({ ...shown, step: 1 }, true)).not.toBeNull();
+    for (const onDisk of ['changed', undefined] as const) dataset.told(info(1, 2, onDisk));
+    expect(dataset.wants({ ...shown, step: 1 }), 'other values of the same range').not.toBeNull();
     dataset.turnedTo('other');
     expect(dataset.info).toBeNull();
   });

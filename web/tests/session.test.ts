@@ -1,6 +1,4 @@
-import { create, toBinary, type MessageInitShape } from '@bufbuild/protobuf';
 import { describe, expect, test } from 'vitest';
-import { ServerMessageSchema } from '../src/gen/isostrata/v1/isostrata_pb';
 import type { Command } from '../src/lib/commands';
 import type { Connection, ConnectionStatus } from '../src/lib/connection';
 import { decodeEvent } from '../src/lib/events';
@@ -8,8 +6,7 @@ import type { ServerEvent } from '../src/lib/told';
 import { badgeOf } from '../src/lib/picture-words';
 import { SavedTab } from '../src/lib/saved';
 import { Session } from '../src/lib/session.svelte';
-
-type Body = NonNullable<MessageInitShape<typeof ServerMessageSchema>['body']>;
+import { serverSays, type Body } from './server-says';
 
 function harness(store = new Map<string, string>(), options: { calm?: boolean } = {}) {
   const sent: { seq: number; body: Command; number: number }[] = [];
@@ -40,8 +37,7 @@ function harness(store = new Map<string, string>(), options: { calm?: boolean } 
     calm: () => options.calm ?? false,
   });
   const says = (body: Body) => {
-    const bytes = toBinary(ServerMessageSchema, create(ServerMessageSchema, { body }));
-    handlers?.onEvent(decodeEvent(bytes));
+    handlers?.onEvent(decodeEvent(serverSays(body) as Uint8Array<ArrayBuffer>));
   };
   const frame = () => {
     const due = scheduled;
@@ -373,7 +369,7 @@ describe('the store', () => {
     expect(session.notices.list).toEqual([]);
     says({ case: 'datasetInfo', value: { ...info, id: 'jet', arrays: [{ name: 'p', lower: 0, upper: 5 }] } });
     refuse('p');
-    expect(session.notices.list).toMatchObject([{ place: 'histogram', text: "array 'p' is not in it" }]);
+    expect(session.dataset.uncounted).toBe("array 'p' is not in it");
   });
 
   test('of what is cancelled the page says what ended: a curve in its place, the picture, a dataset, whatever else is asked', () => {
@@ -402,14 +398,40 @@ describe('the store', () => {
     }
   });
 
-  test('a histogram that is cancelled says so in its place', () => {
-    const { session, says, find } = harness();
+  test('a histogram that is cancelled says so in its place, and is counted again if somebody asks for it', () => {
+    const { session, says, find, cases } = harness();
     says(welcome('s'));
     says({ case: 'progress', value: { operation: 4n } });
     session.work.cancel(4n);
     says({ case: 'error', value: { inReplyTo: BigInt(find('requestHistogram')!.seq), code: 'cancelled', message: 'cancelled' } });
     says({ case: 'done', value: { operation: 4n, cancelled: true } });
-    expect(session.notices.list).toMatchObject([{ place: 'histogram', text: 'Cancelled.' }]);
+    expect(session.dataset.uncounted).toBe('Cancelled.');
+    expect(session.notices.list).toEqual([]);
+    const asked = () => cases().filter((name) => name === 'requestHistogram').length;
+    says({ case: 'state', value: state(3) }); // nobody has asked again
+    expect(asked()).toBe(1);
+    session.askHistogram(true);
+    expect(asked()).toBe(2);
+    expect(session.dataset.uncounted).toBe('');
+  });
+
+  test('says that the values are others since a reload, once all steps are read, and nothing if they are as before', () => {
+    const { session, says } = harness();
+    const told = (upper: number, more: object = {}) => says({ case: 'datasetInfo', value: { ...info, arrays: [{ name: 'Density', lower: 0, upper }], ...more } });
+    const words = () => session.notices.list.map(({ text }) => text);
+    says(welcome('s', interval(7, 1, 2)));
+    told(5, { onDisk: 1 });
+    told(5);
+    expect(words()).toEqual([]);
+    told(5, { onDisk: 1 });
+    told(2, { missingRangeSteps: 1 });
+    expect(words()).toEqual([]);
+    told(10);
+    expect(words()).toEqual(['The values were 0 … 5 and are 0 … 10 now. The layers keep their ends.']);
+    session.notices.list[0]?.action?.run();
+    expect(session.scene.view.intervals.map(({ lower, upper }) => [lower, upper])).toEqual([[2, 4]]);
+    told(20); // without a reload
+    expect(words()).toHaveLength(1);
   });
 
   test('a reading in the background that is cancelled leaves the picture as it is', () => {

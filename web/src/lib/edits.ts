@@ -2,8 +2,8 @@
 import type { Plan } from './changes';
 import { command, type Command } from './commands';
 import type { History } from './history.svelte';
-import { priorityOrder } from './intervals';
-import type { Camera, ColorRange, FieldValues, Interval, IntervalPatch, SceneState, Vec3 } from './model';
+import { fitted, priorityOrder } from './intervals';
+import type { Camera, ColorRange, FieldValues, Interval, IntervalPatch, Range, SceneState, Vec3 } from './model';
 import type { Notices, Place } from './notices.svelte';
 import type { Overlay } from './optimistic';
 import type { Outgoing } from './outgoing';
@@ -114,6 +114,12 @@ export class Edits {
         },
         true,
       );
+  }
+  /** All layers, so that they lie in the one range as they lay in the other. */
+  fitLayers(from: Range, to: Range): void {
+    this.history.note('fit', () => {
+      for (const { id, lower, upper } of this.scene.view.intervals) this.patchInterval(id, fitted({ lower, upper }, from, to));
+    });
   }
   addInterval(interval: Omit<Interval, 'id' | 'priority'>): void {
     const { intervals } = this.scene.view;

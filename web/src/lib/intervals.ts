@@ -106,6 +106,22 @@ export function drawn(from: number, to: number, axis: Range): Range | null {
   return upper - lower >= (axis.upper - axis.lower) / 400 ? { lower, upper } : null;
 }
 
+/** Where the one range's interval lies in the other, rounded for reading. Intervals that touch go on touching. */
+export function fitted(interval: Range, from: Range, to: Range): Range {
+  const [old, axis] = [axisRange(from), axisRange(to)];
+  const place = (value: number) => axis.lower + ((value - old.lower) / (old.upper - old.lower)) * (axis.upper - axis.lower);
+  const step = dragStep(axis);
+  const end = (value: number) => (value === old.lower ? axis.lower : value === old.upper ? axis.upper : Number.isFinite(value) ? roundTo(place(value), step) : value);
+  const { lower, upper } = { lower: end(interval.lower), upper: end(interval.upper) };
+  return lower < upper ? { lower, upper } : { lower: place(interval.lower), upper: place(interval.upper) };
+}
+
+/** The least range that has all of them; ends that are open say nothing. */
+export function hull(ranges: readonly Range[]): Range {
+  const ends = ranges.flatMap(({ lower, upper }) => [lower, upper]).filter(Number.isFinite);
+  return { lower: Math.min(...ends), upper: Math.max(...ends) };
+}
+
 function widestBetween(values: number[]): Range {
   const sorted = values.sort((a, b) => a - b);
   let widest: Range = { lower: sorted[0]!, upper: sorted[0]! };

@@ -11,7 +11,7 @@ import { Hand } from './hand.svelte';
 import { History } from './history.svelte';
 import { Smoothed } from './meter';
 import { scaledBox } from './camera';
-import { emptyState, type Box, type Camera, type SceneState } from './model';
+import { emptyState, type Box, type Camera, type Range, type SceneState } from './model';
 import type { Ending, Frame, ServerError, ServerEvent, VolumeError, Welcome } from './told';
 import { Measures } from './measures.svelte';
 import { Notices } from './notices.svelte';
@@ -26,6 +26,7 @@ import { parsePlots, plotsText, type SavedPlots } from './saved-plots';
 import { SceneView } from './scene-view.svelte';
 import { Selection } from './selection.svelte';
 import { Stills } from './stills';
+import { formatRange } from './ticks';
 import { Views } from './views';
 import { Visits } from './visits';
 import { Work } from './work.svelte';
@@ -180,9 +181,10 @@ export class Session {
         const more = this.dataset.told(event.info);
         if (more) this.notices.say(`${more === 1 ? 'One more step has' : `${more} more steps have`} come.`, 'note', 'step');
         this.scene.waking = false;
+        this.#sayMoved();
         this.curves.dataTold(this.dataset.reloads, event.info.times.length);
         this.views.goOn();
-        return this.#askHistogram();
+        return this.askHistogram();
       }
       case 'histogram':
         return this.dataset.toldHistogram(event.histogram);
@@ -286,6 +288,17 @@ export class Session {
     this.measures.restore(server, plots.layers, this.dataset.reloads);
   }
 
+  /** Layers keep their ends when their files are read anew: over other values these may say nothing. */
+  #sayMoved(): void {
+    const { array, intervals } = this.scene.view;
+    const was = this.dataset.rangeBefore(array);
+    const is = this.dataset.info?.arrays.find(({ name }) => name === array);
+    if (!was || !is || !intervals.length) return;
+    const words = (range: Range) => formatRange(range.lower, range.upper).join(' … ');
+    const run = () => this.edits.fitLayers(was, is);
+    this.notices.say(`The values were ${words(was)} and are ${words(is)} now. The layers keep their ends.`, 'note', 'layers', { label: 'Fit layers to the new values', run });
+  }
+
   /** heeded: up to which of this connection's messages. */
   #onState(state: SceneState, heeded: number): void {
     const before = this.scene.server;
@@ -301,7 +314,7 @@ export class Session {
     this.probe.stateTold(state.revision);
     this.curves.told(state);
     this.views.goOn();
-    this.#askHistogram();
+    this.askHistogram();
     this.#recovery.keep(state, () => this.history.text());
   }
 
@@ -323,22 +336,21 @@ export class Session {
     if (this.stills.answer(inReplyTo, why) || this.probe.answer(inReplyTo, why) || this.curves.answered(inReplyTo, why) || this.measures.answered(inReplyTo, why)) return;
     const about = this.#out.refused(inReplyTo);
     if (this.#out.overtaken(inReplyTo)) return; // the dataset that was chosen since is on its way
-    if (about.place === 'histogram' && !this.dataset.refused(inReplyTo)) return;
+    if (about.place === 'histogram') return this.dataset.refused(inReplyTo, why, code === 'cancelled');
     if (inReplyTo) this.scene.edit((mine) => mine.refuse(about.interval ?? undefined));
     else this.scene.waking = false; // its dataset may have failed to open
     if (inReplyTo) this.history.told(inReplyTo);
     // Of a picture and a dataset that were cancelled, Done speaks.
-    if (code !== 'cancelled' || about.place === 'histogram') this.notices.add({ text: why, ...about, field, tone: 'error' });
+    if (code !== 'cancelled') this.notices.add({ text: why, ...about, field, tone: 'error' });
     if (about.place === 'dataset') this.views.failed();
   }
 
   #ping(): void {
     this.#connection.send(command.ping(this.doors.now()));
   }
-  #askHistogram(): void {
-    const wanted = this.dataset.wants(this.scene.server);
-    if (!wanted) return;
-    this.notices.clear('histogram');
-    this.dataset.sent(this.#out.send(wanted));
+  /** Of what is shown, unless it has been asked for. */
+  askHistogram(again = false): void {
+    const wanted = this.dataset.wants(this.scene.server, again);
+    if (wanted) this.dataset.sent(this.#out.send(wanted));
   }
 }
