@@ -91,7 +91,7 @@ void add_dataset_routes(std::vector<Route>& routes, RestContext& context) {
                         "All of it, or with folder one level, or with search what is named so. Files that come, grow, change and go while the "
                         "server runs are in the next answer; the ETag changes with the list, so If-None-Match makes asking again cheap.",
                     .query = {{"folder", "One level: what lies in this folder itself, and its folders; empty: the served folder"},
-                              {"search", "Words of which each is in a name, below the folder"},
+                              {"search", "Words of which each is in a name, or in that of a file of a series, below the folder"},
                               {"first", "Folders and datasets that are left out at the beginning", true, 0, UINT32_MAX, "0"},
                               {"most", "How many at most", true, 1, kMostInOneAnswer, "1000"}},
                     .answers = {{200, "The catalogue, or a part of it", "DatasetList"}, {304, "It is still that of If-None-Match", ""}},

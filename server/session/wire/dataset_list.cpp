@@ -31,6 +31,27 @@ std::vector<std::string> words_of(const std::string& text) {
   return words;
 }
 
+/// Whether the word is in the name; the star of a series stands for a number, so that the word may be of one of its files: "wave_0042" is in "wave_*.vtu".
+bool is_in(std::string_view word, std::string_view name) {
+  constexpr std::string_view kNumber = "0123456789.+-e";
+  if (name.find(word) != std::string_view::npos) return true;
+  if (name.find('*') == std::string_view::npos || word.find_first_not_of(kNumber) == std::string_view::npos) return false;  // a number alone is in every series
+  std::vector<bool> matched(word.size() + 1), next;  // how many letters of the word the name can have matched up to here
+  for (const char c : name) {
+    matched[0] = true;
+    next.assign(word.size() + 1, false);
+    for (std::size_t i = 0; i < word.size(); ++i) {
+      if (!matched[i]) continue;
+      if (word[i] == c) next[i + 1] = true;
+      if (c != '*' || !(word[i] == '-' || (word[i] >= '0' && word[i] <= '9'))) continue;
+      for (std::size_t end = i; end < word.size() && kNumber.find(word[end]) != std::string_view::npos; ++end) next[end + 1] = true;
+    }
+    matched.swap(next);
+    if (matched.back()) return true;
+  }
+  return false;
+}
+
 /// What is said of all folders.
 void add_all(const Catalogue& catalogue, v1::DatasetList& out) {
   out.set_all(static_cast<std::uint32_t>(catalogue.entries().size()));
@@ -77,7 +98,7 @@ v1::DatasetList list_datasets(const Catalogue& catalogue, const v1::ListDatasets
     const std::string_view rest = std::string_view(entry.name).substr(prefix.size());
     if (!words.empty()) {
       const std::string name = small_letters(std::string(rest));
-      if (std::all_of(words.begin(), words.end(), [&](const std::string& word) { return name.find(word) != std::string::npos; })) entries.push_back(&entry);
+      if (std::all_of(words.begin(), words.end(), [&](const std::string& word) { return is_in(word, name); })) entries.push_back(&entry);
       continue;
     }
     const auto slash = rest.find('/');
