@@ -94,7 +94,7 @@ describe('the page', () => {
     await viewer.thumb(layer, 'lower').press('Home');
     await viewer.thumb(layer, 'upper').press('End');
     await viewer.until('all values', ({ intervals }) => intervals[0]?.lower === least && intervals[0].upper === most);
-    const plus = () => viewer.page.getByRole('group', { name: 'Views' }).getByText('+z', { exact: true }).click();
+    const plus = () => viewer.page.getByRole('button', { name: 'View from +z' }).click();
     const turn = () => viewer.drag(viewer.page.getByRole('application'), 110, 60);
     for (const [side, look] of [['+z', plus], ['turned', turn]] as const) {
       const { revision } = viewer.state;
