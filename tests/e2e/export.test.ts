@@ -40,6 +40,27 @@ test('every format is written, one after the other; the tetrahedra are those tha
   expect(viewer.problems).toEqual([]);
 });
 
+test('a file that comes slowly says how much has come, and is not saved if that is cancelled', async () => {
+  const viewer = await stage.open();
+  await viewer.until('layers', (state) => state.intervals.length > 0);
+  await viewer.exactPicture();
+  const client = await viewer.page.context().newCDPSession(viewer.page);
+  await client.send('Network.enable');
+  await client.send('Network.emulateNetworkConditions', { offline: false, latency: 0, downloadThroughput: 20_000, uploadThroughput: -1 });
+  const downloads: string[] = [];
+  viewer.page.on('download', (download) => downloads.push(download.suggestedFilename()));
+  await button(viewer).click();
+  const comes = viewer.page.getByRole('progressbar', { name: 'The mesh file comes over the line' });
+  await expect.poll(async () => (await comes.count()) && (await comes.evaluate((bar: HTMLProgressElement) => bar.value > 0 && bar.value < bar.max && bar.max > 10_000))).toBe(true);
+  await viewer.photograph('export-comes.png');
+  await comes.locator('..').getByRole('button', { name: 'Cancel' }).click();
+  await viewer.page.getByText('Cancelled.', { exact: true }).waitFor();
+  expect(await comes.count()).toBe(0);
+  await client.send('Network.emulateNetworkConditions', { offline: false, latency: 0, downloadThroughput: -1, uploadThroughput: -1 });
+  expect((await taken(viewer, 'stl')).name).toMatch(/\.stl$/);
+  expect(downloads).toHaveLength(1);
+});
+
 test('a server that dies in the middle of it is told, and the page can export from the next one', async () => {
   const token = `export-${process.pid}`;
   let server = await Server.start({ data: ['torus:160'], token });

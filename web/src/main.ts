@@ -34,7 +34,7 @@ const thumbnails = new Thumbnails({
 });
 
 const exports = new Exports({
-  ask: (path, method, body) => fetch(apiUrl(path), { method, ...(body ? { body, headers: { 'Content-Type': 'application/json' } } : {}) }),
+  ask: (path, method, body, signal) => fetch(apiUrl(path), { method, ...(signal ? { signal } : {}), ...(body ? { body, headers: { 'Content-Type': 'application/json' } } : {}) }),
   save: saveBlob,
   wait: (ms) => new Promise((done) => setTimeout(done, ms)),
 });

@@ -2,15 +2,20 @@ import { describe, expect, test } from 'vitest';
 import { Exports } from '../src/lib/exports.svelte';
 
 /** A server that answers in turn; what it was asked, and what was saved. */
-function exportsOf(answers: ({ ok?: boolean; body: object } | 'lost')[]) {
+function exportsOf(answers: ({ ok?: boolean; body: object | ReadableStream; bytes?: number } | 'lost')[]) {
   const asked: string[] = [];
   const saved: string[] = [];
   const exports = new Exports({
-    ask: (path, method, body) => {
+    ask: (path, method, body, signal) => {
       asked.push([method, path, body ?? ''].join(' ').trim());
       const answer = method === 'DELETE' ? 'lost' : answers.shift();
       if (!answer || answer === 'lost') return Promise.reject(new TypeError('Failed to fetch'));
-      return Promise.resolve({ ok: answer.ok ?? true, json: () => Promise.resolve(answer.body), blob: () => Promise.resolve(new Blob(['mesh'])) });
+      const { body: told, ok = true, bytes = 0 } = answer;
+      const options = { status: ok ? 200 : 409, headers: { 'Content-Length': String(bytes) } };
+      if (!(told instanceof ReadableStream)) return Promise.resolve(new Response(JSON.stringify(told), options));
+      const line = new TransformStream(); // which the signal cuts
+      told.pipeTo(line.writable, { ...(signal ? { signal } : {}) }).catch(() => {});
+      return Promise.resolve(new Response(line.readable, options));
     },
     save: (file, name) => saved.push(`${name}: ${file.size}`),
     wait: () => Promise.resolve(),
@@ -19,16 +24,23 @@ function exportsOf(answers: ({ ok?: boolean; body: object } | 'lost')[]) {
 }
 const running = { body: { id: 'e1', status: 'running' } };
 const done = { body: { id: 'e1', status: 'done' } };
+const file = { body: new Blob(['mesh']).stream(), bytes: 4 };
+/** A file whose pieces come when they are given. */
+function slowFile(bytes: number) {
+  let give: (piece: number | null) => void = () => {};
+  const body = new ReadableStream({ start: (to) => void (give = (piece) => (piece === null ? to.close() : to.enqueue(new Uint8Array(piece)))) });
+  return { answer: { body, bytes }, give: async (piece: number | null) => (give(piece), await new Promise((rest) => setTimeout(rest, 5))) };
+}
 
 describe('a mesh file of the layers', () => {
   test('is asked for, waited for and saved, and the server need not keep it', async () => {
-    const { exports, asked, saved } = exportsOf([running, running, done, { body: {} }]);
+    const { exports, asked, saved } = exportsOf([running, running, done, file]);
     const answer = exports.save('s', 'ply', 'torus');
     expect(exports.waits).toBe(true);
     expect(await answer).toBe('');
     expect(exports.waits).toBe(false);
-    const [one, file] = ['sessions/s/operations/e1', 'sessions/s/exports/e1'];
-    expect(asked).toEqual(['POST sessions/s/exports {"format":"ply"}', `GET ${one}`, `GET ${one}`, `GET ${file}`, `DELETE ${file}`]);
+    const [one, its] = ['sessions/s/operations/e1', 'sessions/s/exports/e1'];
+    expect(asked).toEqual(['POST sessions/s/exports {"format":"ply"}', `GET ${one}`, `GET ${one}`, `GET ${its}`, `DELETE ${its}`]);
     expect(saved).toEqual(['torus.ply: 4']);
   });
 
@@ -48,6 +60,27 @@ describe('a mesh file of the layers', () => {
       expect(saved).toEqual([]);
       expect(exports.waits).toBe(false);
       expect(asked.filter((of) => of.startsWith('DELETE'))).toHaveLength(answers.length > 1 ? 1 : 0);
+    }
+  });
+
+  test('says how much of it has come over the line, which can be cancelled', async () => {
+    for (const cancels of [false, true]) {
+      const slow = slowFile(30);
+      const { exports, asked, saved } = exportsOf([running, done, slow.answer]);
+      const answer = exports.save('s', 'ply', 'torus');
+      await slow.give(10);
+      expect(exports.coming).toEqual({ bytes: 10, of: 30 });
+      await slow.give(15);
+      expect(exports.coming).toEqual({ bytes: 25, of: 30 });
+      if (cancels) exports.cancel();
+      else {
+        await slow.give(5);
+        await slow.give(null);
+      }
+      expect(await answer).toBe(cancels ? 'Cancelled.' : '');
+      expect(saved).toEqual(cancels ? [] : ['torus.ply: 30']);
+      expect([exports.coming, exports.waits]).toEqual([null, false]);
+      expect(asked.at(-1)).toBe('DELETE sessions/s/exports/e1');
     }
   });
 });

@@ -10,7 +10,7 @@ export const meshFormats = [
 
 export interface ExportDoors {
   /** Of the API. */
-  ask(path: string, method: string, body?: string): Promise<Pick<Response, 'ok' | 'json' | 'blob'>>;
+  ask(path: string, method: string, body?: string, signal?: AbortSignal): Promise<Response>;
   save(file: Blob, name: string): void;
   wait(ms: number): Promise<void>;
 }
@@ -23,9 +23,16 @@ interface Operation {
 
 export class Exports {
   waits = $state(false);
+  /** Bytes of the file that have come over the line, and all; null: it is not on its way. */
+  coming = $state.raw<{ bytes: number; of: number } | null>(null);
+  #line = new AbortController();
 
   constructor(private readonly doors: ExportDoors) {}
 
+  /** Of the file that is on its way. */
+  cancel(): void {
+    this.#line.abort();
+  }
   /** All layers of the session, hidden ones too. Why there is no file; empty: it is saved. */
   async save(session: string, format: string, name: string): Promise<string> {
     const of = `sessions/${session}`;
@@ -40,18 +47,32 @@ export class Exports {
       }
       if (operation.status === 'cancelled') return 'Cancelled.';
       if (operation.status !== 'done') return operation.error?.detail ?? 'the server could not write it';
-      const file = await this.doors.ask(`${of}/exports/${begun}`, 'GET');
+      this.#line = new AbortController();
+      const file = await this.doors.ask(`${of}/exports/${begun}`, 'GET', undefined, this.#line.signal);
       if (!file.ok) return 'the server does not have it any more';
-      this.doors.save(await file.blob(), `${name}.${format}`);
+      this.doors.save(await this.#counted(file), `${name}.${format}`);
       return '';
     } catch (problem) {
+      if (this.#line.signal.aborted) return 'Cancelled.';
       return problem instanceof Refused ? problem.message : 'the connection was lost';
     } finally {
       this.waits = false;
+      this.coming = null;
       if (begun) this.doors.ask(`${of}/exports/${begun}`, 'DELETE').catch(() => {}); // the server keeps four
     }
   }
 
+  /** Not as parts that the page puts together: the browser can keep a large file on the disk. */
+  #counted(file: Response): Promise<Blob> {
+    const of = Number(file.headers.get('Content-Length'));
+    let bytes = 0;
+    const transform = (chunk: Uint8Array, to: TransformStreamDefaultController<Uint8Array>) => {
+      bytes += chunk.length;
+      this.coming = { bytes, of };
+      to.enqueue(chunk);
+    };
+    return new Response(file.body?.pipeThrough(new TransformStream({ transform }))).blob();
+  }
   async #told(path: string, method: string, body?: string): Promise<Operation> {
     const response = await this.doors.ask(path, method, body);
     const answer = (await response.json()) as Operation & { detail?: string };
