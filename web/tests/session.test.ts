@@ -366,7 +366,7 @@ describe('the store', () => {
     const refuse = (array: string) => says({ case: 'error', value: { inReplyTo: BigInt(find('requestHistogram')!.seq), code: 'not_found', message: `array '${array}' is not in it` } });
     says({ case: 'state', value: { ...state(2), dataset: 'jet', array: 'p' } });
     refuse('Density');
-    expect(session.notices.list).toEqual([]);
+    expect(session.dataset.uncounted).toBe('');
     says({ case: 'datasetInfo', value: { ...info, id: 'jet', arrays: [{ name: 'p', lower: 0, upper: 5 }] } });
     refuse('p');
     expect(session.dataset.uncounted).toBe("array 'p' is not in it");
@@ -413,6 +413,17 @@ describe('the store', () => {
     session.askHistogram(true);
     expect(asked()).toBe(2);
     expect(session.dataset.uncounted).toBe('');
+  });
+
+  test('tells of a dataset that somebody else has opened, and not of its own', () => {
+    const { session, says } = harness();
+    const words = () => session.notices.list.map(({ text }) => text);
+    says(welcome('s'));
+    session.views.openDataset('jet');
+    says({ case: 'state', value: { ...state(2), dataset: 'jet' } });
+    expect(words()).toEqual([]);
+    says({ case: 'state', value: { ...state(3), dataset: 'fin' } });
+    expect(words()).toEqual(['Somebody else has opened “fin.bin”.']);
   });
 
   test('says that the values are others since a reload, once all steps are read, and nothing if they are as before', () => {

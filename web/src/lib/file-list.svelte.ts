@@ -28,6 +28,10 @@ export class FileList {
     if (!what) this.listing = null;
     this.askAgain();
   }
+  /** As a person reads it, of a dataset or a part of one. */
+  nameOf(id: string): string {
+    return this.datasets.find((of) => of.id === id.split('@')[0])?.name ?? id;
+  }
   /** Those that are there and whole. */
   get whole(): DatasetEntry[] {
     return this.datasets.filter((entry) => entry.news !== 'gone' && !entry.writing);

@@ -103,7 +103,7 @@ export class Session {
       grip: () => this.hand.grip,
       now,
       bring: (plan) => this.edits.bring(plan),
-      name: (id) => this.files.datasets.find((of) => of.id === id.split('@')[0])?.name ?? id,
+      name: (id) => this.files.nameOf(id),
       leave: () => this.views.shown,
       visit: (state) => this.views.visit(state),
       say: (text) => notices.say(text, 'note'),
@@ -303,6 +303,8 @@ export class Session {
   #onState(state: SceneState, heeded: number): void {
     const before = this.scene.server;
     if (state.dataset !== before.dataset) {
+      const ours = !before.dataset || this.scene.view.dataset === state.dataset || this.#recovery.active;
+      if (!ours) this.notices.say(`Somebody else has opened “${this.files.nameOf(state.dataset)}”.`, 'note');
       this.views.turns(before.dataset, state);
       this.dataset.turnedTo(state.dataset);
       this.history.turned(state.dataset);
