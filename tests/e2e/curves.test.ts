@@ -41,6 +41,7 @@ describe('values as curves', () => {
       await field.press('Enter');
     }
     await expect.poll(async () => (await saved()).at(-1)?.slice(0, 4)).toEqual(['2', '1', '0', '0']);
+    expect(await dock().innerText()).toContain('2 long');
     const table = await saved();
     expect(table[0]).toEqual(['distance', 'x', 'y', 'z', 'distance']);
     for (const [, x, , , value] of table.slice(1))

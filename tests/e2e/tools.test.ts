@@ -157,6 +157,16 @@ describe('the page’s tools', () => {
     await viewer.exactPicture();
     expect(await words()).toBe(viewer.state.intervals.length);
     expect(await volumes()).toEqual(before);
+    // Its place is typed as well.
+    const place = viewer.page.getByRole('textbox', { name: 'Cut 1: place as a number' });
+    await viewer.page.getByLabel('Cut 1: what is kept').selectOption('y<');
+    await place.fill('0.123456');
+    await place.press('Enter');
+    await viewer.until('the cut there', ({ clipPlanes }) => clipPlanes?.[0]?.offset === -0.123456 && clipPlanes[0].normal[1] === -1);
+    await place.fill('here');
+    await place.press('Enter');
+    await viewer.page.getByText('“here” is not a number.').waitFor();
+    await viewer.photograph('cut-typed.png');
   });
 
   test('where the first file cannot be read the page begins with the next', async () => {

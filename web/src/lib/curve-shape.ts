@@ -53,9 +53,10 @@ export function nearestSample(xs: readonly number[], at: number): number {
   return best;
 }
 
+export const lengthOf = (from: Vec3, to: Vec3): number => Math.hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
+
 export const alongLine = (from: Vec3, to: Vec3, distance: number): Vec3 => {
-  const length = Math.hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]) || 1;
-  const share = distance / length;
+  const share = distance / (lengthOf(from, to) || 1);
   return [0, 1, 2].map((i) => (from[i] as number) + share * ((to[i] as number) - (from[i] as number))) as unknown as Vec3;
 };
 
