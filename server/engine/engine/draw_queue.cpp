@@ -18,6 +18,7 @@ std::optional<PictureOrder> DrawQueue::next(LatestExtraction& of, std::optional<
     order.extracted = std::move(shown->extracted);
     order.extract_ms = shown->extract_ms;
     order.task = std::make_shared<Task>();
+    if (!is_still(order.request)) order.legend_place = legend_place_;
     order.coarse_at_hand = shown->coarse_at_hand;
     order.layers_may_be_coarse = shown->layers_may_be_coarse;
     begun_[order.request.request] = {order.task, order.scene.revision, order.request.until_newer};

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <atomic>
 #include <deque>
 #include <map>
 #include <memory>
@@ -57,6 +58,7 @@ class DrawQueue {
 
   std::deque<FrameRequest> waiting_;
   std::map<RequestId, Begun> begun_;
+  std::shared_ptr<std::atomic<int>> legend_place_ = std::make_shared<std::atomic<int>>(-1);
   bool frame_in_lane_ = false, still_in_lane_ = false;
 };
 

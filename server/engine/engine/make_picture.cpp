@@ -72,6 +72,7 @@ DrawnPicture draw_picture(Renderer& renderer, PictureOrder& order, const std::st
   if (order.scene.annotations.any()) {
     AnnotationInput beside = annotation_input(*order.extracted, order.scene, input);
     beside.passing = !request.lossless && !request.still;
+    beside.legend_place = order.legend_place.get();
     drawn.annotations = annotate(beside);
   }
   const DepthLight& light = order.scene.light;

@@ -1,6 +1,7 @@
 // One picture for one request: drawn, and then made into bytes, which may happen on two threads.
 #pragma once
 
+#include <atomic>
 #include <cstdint>
 #include <functional>
 #include <memory>
@@ -26,6 +27,7 @@ struct PictureOrder {
   double extract_ms = 0;
   std::shared_ptr<Task> task;
   std::shared_ptr<void> room;  // in memory, of a large still
+  std::shared_ptr<std::atomic<int>> legend_place;  // AnnotationInput's, of the session's frames; null: of a still
   bool coarse_at_hand = false, layers_may_be_coarse = false;
 };
 

@@ -97,6 +97,7 @@ Drawing annotate(const AnnotationInput& input) {
   Drawing whole = with_axes(taken);
   if (!input.show.legend) return whole;
   const LegendLayout legend = lay_out_legend(input, theme, font, box_outline(input), taken);
+  if (input.legend_place) input.legend_place->store(legend.place);
   if (legend.rows.empty()) return whole;
   // If there is no free place, numbers that it would cover are left out.
   if (std::any_of(taken.begin(), taken.end(), [&](const LabelBox& of) { return of.overlaps(legend.box, 0.5 * theme.letter); })) {

@@ -2,6 +2,7 @@
 // paints it.
 #pragma once
 
+#include <atomic>
 #include <string>
 #include <vector>
 
@@ -30,13 +31,15 @@ struct AnnotationInput {
   bool passing = false;           // shown for a moment, perhaps enlarged: letters have no least size, so that they are as large as in the picture at rest
   bool transparent = false;       // the background is left out: inks for paper, with a rim that shows on anything
   std::string array, color_by;    // names for the legend
+  // Where the legend was in the picture before this one, and is now; a number of lay_out_legend, -1: nowhere yet. Any thread may have it. Null: none was before.
+  std::atomic<int>* legend_place = nullptr;
   std::vector<LegendEntry> entries;
 };
 
 /// Lines of the box that the volume can hide lie under the picture, all others over it: the box holds the volume, so an edge is
 /// behind all of it where both its faces look away, and else on the outline or before it. Sizes follow the picture's: letters are
 /// a forty-eighth of its shorter side, at least 9 pixels (4 if it passes). An axis that is scaled says how: "z ×50". The legend stands
-/// where it covers nothing of the box and its numbers, if there is such a corner; else lines end at it. What does not fit, or would cover another number, is left out.
+/// where it covers nothing of the box and its numbers, if there is such a corner; else lines end at it. In pictures that pass it stays where it was. What does not fit, or would cover another number, is left out.
 Drawing annotate(const AnnotationInput& input);
 
 }  // namespace isostrata

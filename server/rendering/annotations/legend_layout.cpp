@@ -134,24 +134,31 @@ std::string fit(std::string text, const Font& font, double size, double width) {
 LegendLayout lay_out_legend(const AnnotationInput& input, const AnnotationTheme& theme, const Font& font,
                             const std::vector<Point2>& outline, const std::vector<LabelBox>& taken) {
   const double em = theme.letter, name = 0.25 * input.width, margin = kLegendMargin * em;
+  const LegendForm forms[] = {{true, name, 13 * em}, {true, name, 10 * em}, {false, name, 10 * em}, {false, std::min(name, 8 * em), 10 * em}};
+  constexpr int kCorners = 4, kPlaces = 4 * kCorners;
+  const auto put = [&](LegendLayout& one, int place) {
+    const double width = one.box.x1 - one.box.x0, height = one.box.y1 - one.box.y0;
+    const bool left = place % 2, lower = place % kCorners / 2;
+    const double x = left ? margin : input.width - margin - width, y = lower ? input.height - margin - height : margin;
+    one.box = {x, y, x + width, y + height};
+    one.place = place;
+    return covered(one.box, outline, taken, 0.5 * em);
+  };
+  const int before = input.passing && input.legend_place ? input.legend_place->load() : -1;
+  if (before >= 0 && before < kPlaces)
+    if (LegendLayout one = measured(input, theme, font, forms[before / kCorners]); !one.rows.empty())
+      if (const double area = one.box.x1 * one.box.y1; put(one, before) < area / 3) return one;
   LegendLayout first, least;
   double first_cost = 0, least_cost = 0;
-  for (const LegendForm& form : {LegendForm{true, name, 13 * em},
-                                 {true, name, 10 * em},
-                                 {false, name, 10 * em},
-                                 {false, std::min(name, 8 * em), 10 * em}}) {
-    LegendLayout one = measured(input, theme, font, form);
+  for (int form = 0; form < kPlaces / kCorners; ++form) {
+    LegendLayout one = measured(input, theme, font, forms[form]);
     if (one.rows.empty() || (!first.rows.empty() && one.left_out > first.left_out)) continue;
-    const double width = one.box.x1, height = one.box.y1;
-    for (const bool lower : {false, true})
-      for (const bool left : {false, true}) {
-        const double x = left ? margin : input.width - margin - width, y = lower ? input.height - margin - height : margin;
-        one.box = {x, y, x + width, y + height};
-        const double cost = covered(one.box, outline, taken, 0.5 * em);
-        if (cost == 0) return one;
-        if (first.rows.empty()) first = one, first_cost = cost, least = one, least_cost = cost;
-        if (cost < least_cost) least = one, least_cost = cost;
-      }
+    for (int corner = 0; corner < kCorners; ++corner) {
+      const double cost = put(one, kCorners * form + corner);
+      if (cost == 0) return one;
+      if (first.rows.empty()) first = one, first_cost = cost, least = one, least_cost = cost;
+      if (cost < least_cost) least = one, least_cost = cost;
+    }
   }
   return least_cost < 0.5 * first_cost ? least : first;
 }

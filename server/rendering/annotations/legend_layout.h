@@ -35,6 +35,7 @@ struct LegendLayout {
   std::vector<LegendBar> bars;
   std::size_t left_out = 0;  // rows that do not fit
   double row_height = 0;
+  int place = -1;    // which of the forms in which corner
   double names = 0;  // the width of the column of names; 0: names stand over the ranges, or there are none
 };
 
@@ -43,8 +44,9 @@ std::string fit(std::string text, const Font& font, double size, double width);
 
 /// Tried are forms, from the widest to the narrowest, each at the upper right, upper left, lower right and lower left. The first is taken
 /// that covers nothing: neither of what is `taken` nor of the `outline` of the volume's box (corners of a convex polygon in turn; none: the
-/// box is all around). If each covers something, the legend is at the upper right, or where it covers less than half of that. No rows:
-/// there is nothing to say, or no room.
+/// box is all around). If each covers something, the legend is at the upper right, or where it covers less than half of that. In a picture that passes
+/// it stays in the form and corner of the picture before while it covers less than a third of its own area there: it does not jump while the camera
+/// turns. No rows: there is nothing to say, or no room.
 LegendLayout lay_out_legend(const AnnotationInput& input, const AnnotationTheme& theme, const Font& font,
                             const std::vector<Point2>& outline, const std::vector<LabelBox>& taken);
 

@@ -184,6 +184,36 @@ TEST(Annotations, TheLegendIsAtTheUpperRightUnlessAnotherCornerIsFree) {
   EXPECT_GT(panel().x0, 900);
 }
 
+TEST(Annotations, WhileTheCameraMovesTheLegendStaysAndAtRestItIsWhereItAlwaysIs) {
+  std::atomic<int> place = -1;
+  const AnnotationInput input = four_layers(1280, 720, {{0, 0, 0}, {1, 1, 1}}, false);
+  const Vec3d right = normalized(cross(input.camera.at - input.camera.eye, input.camera.up));
+  const auto on_the_left = [&](double aside, bool passing, std::atomic<int>* before) {
+    AnnotationInput moved = input;
+    moved.camera.eye = moved.camera.eye - aside * right;  // the box goes to the right, under the corner
+    moved.camera.at = moved.camera.at - aside * right;
+    moved.passing = passing;
+    moved.legend_place = before;
+    return beside_the_legend(annotate(moved)).panel->x0 < 640;
+  };
+  double edge = 0;
+  while (edge < 2 && !on_the_left(edge, true, nullptr)) edge += 0.01;
+  ASSERT_LT(edge, 2);
+  int jumps = 0, jumps_held = 0;
+  bool last = false, last_held = false;
+  for (int i = 0; i < 200; ++i) {  // to and fro where it would jump
+    const double aside = edge + (i % 2 ? 0.02 : -0.02);
+    const bool free = on_the_left(aside, true, nullptr), held = on_the_left(aside, true, &place);
+    jumps += free != last, jumps_held += held != last_held;
+    last = free, last_held = held;
+    std::atomic<int> copy = place.load();
+    EXPECT_EQ(on_the_left(aside, false, &copy), on_the_left(aside, false, nullptr)) << i;  // at rest nothing depends on what was before
+  }
+  EXPECT_GT(jumps, 100);
+  EXPECT_EQ(jumps_held, 0);
+  EXPECT_TRUE(on_the_left(0.9, true, &place));  // it would cover too much
+}
+
 TEST(Annotations, EdgesBehindTheVolumeAreUnderIt) {
   AnnotationInput input = some_input();
   input.show = {false, true, false};
