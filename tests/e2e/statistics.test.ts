@@ -1,4 +1,5 @@
 // A person asks for a layer's statistics, changes the layer, measures again, and takes the numbers away.
+import { readFileSync } from 'node:fs';
 import { expect, test } from 'vitest';
 import { Stage } from './stage';
 
@@ -35,5 +36,31 @@ test("a layer's statistics are those of its solid, and say when the layer has ch
   await expect.poll(() => numbers.innerText()).not.toContain('has changed since');
   await numbers.getByRole('button', { name: /close/ }).click();
   expect(await numbers.count()).toBe(0);
+  expect(viewer.problems).toEqual([]);
+});
+
+test('a table of all layers has a row for each, with the numbers that their cards say', async () => {
+  const viewer = await stage.open();
+  await viewer.until('layers', (state) => state.intervals.length > 0);
+  const layers = await viewer.layersOfOurOwn(3);
+  await viewer.exactPicture();
+  await viewer.page.getByLabel('What the mesh file holds').selectOption('csv');
+  const coming = viewer.page.waitForEvent('download');
+  await viewer.page.getByRole('button', { name: 'Export' }).click();
+  const download = await coming;
+  expect(download.suggestedFilename()).toMatch(/^isostrata-torus_48-distance-r\d+\.csv$/);
+  const [head, ...rows] = readFileSync(await download.path(), 'utf8').trimEnd().split('\r\n').map((line) => line.split(','));
+  expect(rows.map(([name, lower, upper]) => [name, Number(lower), Number(upper)])).toEqual(layers.map(({ lower, upper }, i) => [`Layer ${i + 1}`, lower, upper]));
+  const column = (name: string) => head!.indexOf(name);
+  for (const [i, row] of rows.entries()) {
+    const card = viewer.page.getByRole('region', { name: `Layer ${i + 1}: statistics` });
+    const said = (name: string) => card.locator('div', { has: viewer.page.locator(`dt:text-is("${name}")`) }).locator('dd').innerText();
+    expect(Number(await said('Volume')) / Number(row[column('volume or area')])).toBeCloseTo(1, 5);
+    expect(Number(await said('Mean')) / Number(row[column('mean')])).toBeCloseTo(1, 4);
+    expect(row).toHaveLength(head!.length);
+  }
+  // All of them come again when the page is loaded again, though the server answers one question at a time.
+  await viewer.page.reload();
+  for (const i of [1, 2, 3]) await viewer.page.getByRole('region', { name: `Layer ${i}: statistics` }).getByText('Standard deviation').waitFor();
   expect(viewer.problems).toEqual([]);
 });

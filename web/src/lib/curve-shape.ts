@@ -61,7 +61,8 @@ export const alongLine = (from: Vec3, to: Vec3, distance: number): Vec3 => {
 };
 
 const cell = (text: string): string => (/[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
-const row = (cells: readonly (string | number)[]): string => cells.map((of) => (typeof of === 'number' ? (Number.isFinite(of) ? String(of) : '') : cell(of))).join(',');
+/** Of a table with commas. */
+export const row = (cells: readonly (string | number)[]): string => cells.map((of) => (typeof of === 'number' ? (Number.isFinite(of) ? String(of) : '') : cell(of))).join(',');
 
 /** Numbers in all their digits; a cell without a value is empty, which along a line is a gap. */
 export function lineTable(curve: ProbedCurve, from: Vec3, to: Vec3): string {

@@ -1,6 +1,7 @@
 // One layer in numbers: asked for by a button, and kept until it is asked for again. What it was of is kept beside it.
 import { command, type Command } from './commands';
 import { diagonal } from './camera';
+import { row } from './curve-shape';
 import type { Box, Interval, SceneState, Vec3 } from './model';
 import type { LayerStatistics } from './told';
 
@@ -22,6 +23,8 @@ export class Measures {
   /** By the layers' ids. */
   list = $state.raw<ReadonlyMap<number, Measured>>(new Map());
   readonly #asked = new Map<number, number>(); // the layer that a message has asked of
+  /** Layers to be asked of. The server answers one question of a connection: a newer one ends the one before. */
+  #waiting: { layer: number; array: string }[] = [];
 
   /** changed: numbers of another layer or array are open now, or fewer. */
   constructor(
@@ -35,9 +38,10 @@ export class Measures {
 
   /** reloads: how often the data have been read anew. */
   ask(scene: SceneState, interval: Interval, array: string, reloads = 0): void {
-    const seq = this.sendInOrder(command.requestLayerStatistics(interval.id, array));
-    if (seq) this.#asked.set(seq, interval.id);
-    this.#set(interval.id, { answer: seq ? null : 'There is no connection.', array, key: measureKey(scene, interval, array, reloads) });
+    this.#set(interval.id, { answer: null, array, key: measureKey(scene, interval, array, reloads) });
+    this.#forget(interval.id);
+    this.#waiting.push({ layer: interval.id, array });
+    this.#goOn();
     this.changed();
   }
   /** As they were open before: what has no answer is asked for, again if the connection took it. */
@@ -48,6 +52,7 @@ export class Measures {
     }
   }
   close(interval: number): void {
+    this.#forget(interval);
     this.#set(interval, null);
     this.changed();
   }
@@ -58,11 +63,13 @@ export class Measures {
     this.#asked.delete(seq);
     const of = this.list.get(interval);
     // Another question of the same layer may be on its way.
-    if (of && ![...this.#asked.values()].includes(interval)) this.#set(interval, { ...of, answer });
+    if (of && ![...this.#asked.values(), ...this.#waiting.map(({ layer }) => layer)].includes(interval)) this.#set(interval, { ...of, answer });
+    this.#goOn();
     return true;
   }
   lost(): void {
     this.#asked.clear();
+    this.#waiting = [];
   }
   /** Another session, another dataset: other layers. */
   clear(): void {
@@ -70,6 +77,18 @@ export class Measures {
     this.list = new Map();
   }
 
+  #forget(interval: number): void {
+    this.#waiting = this.#waiting.filter(({ layer }) => layer !== interval);
+  }
+  /** The next question, unless another layer's has no answer yet. */
+  #goOn(): void {
+    const next = this.#waiting.find(({ layer }) => [...this.#asked.values()].every((asked) => asked === layer));
+    if (!next) return;
+    this.#forget(next.layer);
+    const seq = this.sendInOrder(command.requestLayerStatistics(next.layer, next.array));
+    if (seq) this.#asked.set(seq, next.layer);
+    else this.#set(next.layer, { ...this.list.get(next.layer)!, answer: 'There is no connection.' });
+  }
   #set(interval: number, of: Measured | null): void {
     const list = new Map(this.list);
     if (of) list.set(interval, of);
@@ -98,4 +117,16 @@ export function statisticsText(of: LayerStatistics, layer: string, bounds: Box |
   if (of.valued > 0) lines.push(['mean', of.mean], ['standard deviation', of.standardDeviation], ['least', of.lower], ['greatest', of.upper]);
   if (of.valued < of.volume * (1 - 1e-9)) lines.push([`${size} with values`, of.valued]);
   return lines.map((line) => line.join('\t')).join('\n');
+}
+
+const columns = ['layer', 'lower end', 'upper end', 'array', 'mean', 'standard deviation', 'least', 'greatest', 'volume or area', 'with values', 'centroid x', 'centroid y', 'centroid z', 'pieces', 'largest piece'];
+
+/** The same of several layers as a table with commas, a row for each. */
+export function statisticsTable(layers: readonly { name: string; lower: number; upper: number; of: LayerStatistics }[], bounds: Box | null): string {
+  const rows = layers.map(({ name, lower, upper, of }) => {
+    const moments = of.valued > 0 ? [of.mean, of.standardDeviation, of.lower, of.upper] : ['', '', '', ''];
+    const centroid = of.pieces > 0 ? withoutRest(of.centroid, bounds) : ['', '', ''];
+    return row([name, lower, upper, of.array, ...moments, of.volume, of.valued, ...centroid, of.pieces, of.largest]);
+  });
+  return [row(columns), ...rows, ''].join('\r\n');
 }
