@@ -70,7 +70,7 @@ void print_text(const FirstView& view, const Dataset& dataset, const Camera& cam
   std::printf("%s\n", dataset.name.c_str());
   std::printf("  array   %s: %s\n", view.array.c_str(), view.array_reason.c_str());
   if (dataset.times.size() > 1)
-    std::printf("  time    step %d, t = %g: %s\n", view.step, dataset.times.at(static_cast<std::size_t>(view.step)),
+    std::printf("  time    step %d, t = %.12g: %s\n", view.step, dataset.times.at(static_cast<std::size_t>(view.step)),
                 view.step_reason.c_str());
   std::printf("  kind    %s: %s\n", view.kind.c_str(), view.kind_reason.c_str());
   for (std::size_t i = 0; i < view.layers.size(); ++i) {

@@ -114,10 +114,10 @@ void print_text(const Dataset& dataset, const SeriesRanges& ranges, const std::v
     std::printf("\n  bounds  x [%g, %g]  y [%g, %g]  z [%g, %g]", box.lower.x, box.upper.x, box.lower.y, box.upper.y, box.lower.z,
                 box.upper.z);
   if (dataset.times.size() > 1)
-    std::printf("\n  times   %zu steps from %g to %g; this is step %d", dataset.times.size(), dataset.times.front(),
+    std::printf("\n  times   %zu steps from %.12g to %.12g; this is step %d", dataset.times.size(), dataset.times.front(),
                 dataset.times.back(), dataset.step);
   else
-    std::printf("\n  times   %g", dataset.times.front());
+    std::printf("\n  times   %.12g", dataset.times.front());
   std::printf("\n  arrays  %zu", dataset.arrays.size());
   if (ranges.known_steps() > 1)
     std::printf(", with their ranges over %s%d steps", ranges.complete() ? "all " : "", ranges.known_steps());

@@ -118,7 +118,7 @@ void print_csv(const Measured& made, double time) {
 }
 
 void print_text(const Measured& made, double time, const std::vector<std::string>& names) {
-  std::printf("time %g\n", time);
+  std::printf("time %.12g\n", time);
   for (const LayerMeasure& row : made.rows) {
     const Interval& interval = made.intervals[row.interval];
     std::printf("  %g:%g", interval.lower, interval.upper);

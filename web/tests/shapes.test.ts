@@ -3,7 +3,7 @@ import { hexOf, luminance, newIntervalColor, rgbOfHex } from '../src/lib/colors'
 import { barHeights, barPath } from '../src/lib/histogram-shape';
 import { RateMeter, Smoothed } from '../src/lib/meter';
 import type { Rgb } from '../src/lib/model';
-import { formatBytes, formatCount, formatNumber, formatRange, niceStep, roundTo, ticks, tickText } from '../src/lib/ticks';
+import { formatBytes, formatCount, formatNumber, formatRange, niceStep, roundTo, ticks, tickText, timeText } from '../src/lib/ticks';
 import { viewportPixels } from '../src/lib/viewport-size';
 import { seeded } from './random';
 
@@ -58,6 +58,19 @@ test('numbers are short and right to the digits shown', () => {
   expect(formatCount(5_100_000)).toBe('5.10 M');
   expect(formatBytes(900)).toBe('900 B');
   expect(formatBytes(48 * 1024)).toBe('48 KiB');
+});
+
+test('a time has the digits that tell it apart from the others', () => {
+  expect(timeText(20010101.5, [20010101, 20010101.5, 20010102])).toBe('20010101.5');
+  expect(timeText(2451545.25, [2451545, 2451545.25])).toBe('2451545.25');
+  expect(timeText(2451545.25, [2451545.25])).toBe('2451545.25');
+  expect(timeText(0.1 + 0.2, [0, 0.1, 0.2, 0.1 + 0.2])).toBe('0.3');
+  expect(timeText(1 / 3, [0, 1 / 3, 2 / 3])).toBe('0.333333');
+  expect(timeText(0, [0, 1])).toBe('0');
+  for (let i = 0; i < 1000; i++) {
+    const [t, gap] = [2e9 * Math.random(), 10 ** (-3 + 6 * Math.random())];
+    expect(Number(timeText(t, [t - gap, t, t + gap]))).not.toBe(Number(timeText(t + gap, [t - gap, t, t + gap])));
+  }
 });
 
 test('the fullest bar is full, empty bars are empty, and the logarithm keeps the order', () => {

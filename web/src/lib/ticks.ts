@@ -42,6 +42,14 @@ export function formatRange(lower: number, upper: number, digits = 5): [string, 
   return texts;
 }
 
+/** A time, with as many digits as tell it apart from the others. */
+export function timeText(time: number, times: readonly number[]): string {
+  const apart = times.reduce((least, of) => (of === time ? least : Math.min(least, Math.abs(of - time))), Infinity);
+  let digits = Number.isFinite(apart) ? 6 : 12;
+  while (digits < 17 && Math.abs(Number(time.toPrecision(digits)) - time) > 0.01 * apart) ++digits;
+  return formatNumber(time, digits);
+}
+
 /** The nearest multiple of step, without the tail that binary arithmetic leaves. */
 export function roundTo(value: number, step: number): number {
   return Number((Math.round(value / step) * step).toPrecision(12));
