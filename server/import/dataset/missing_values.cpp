@@ -150,4 +150,19 @@ void leave_out_missing(Imported& imported, const ReadRequest& request) {
     std::visit([&](auto like) { leave_out<std::remove_cvref_t<decltype(like[0])>>(arrays, request, imported.notes); }, scalar_span(first->type, {}));
 }
 
+void leave_out_value(FileArray& array, double none) {
+  std::visit(
+      [&](auto like) {
+        using T = std::remove_cvref_t<decltype(like[0])>;
+        using To = std::conditional_t<std::is_same_v<T, float> || (std::is_integral_v<T> && sizeof(T) < 4), float, double>;
+        if constexpr (std::is_integral_v<T>)
+          if (none != std::floor(none) || none < static_cast<double>(std::numeric_limits<T>::lowest()) || none >= std::ldexp(1.0, std::numeric_limits<T>::digits)) return;
+        const auto value = static_cast<T>(none);
+        bool any = false;
+        for (std::size_t i = 0; i < array.values.size() / sizeof(T) && !any; ++i) any = value_at<T>(array.values, i) == value;
+        if (any) replace<To>(value, array);
+      },
+      scalar_span(array.type, {}));
+}
+
 }  // namespace isostrata

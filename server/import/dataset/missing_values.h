@@ -1,4 +1,4 @@
-// Values that stand for "nothing here" though nothing in the file says so: -9999, 1e30 and the like. One of them makes a histogram useless, and cells beside it have surfaces that are none.
+// Values that stand for "nothing here", mostly though nothing in the file says so: -9999, 1e30 and the like. One of them makes a histogram useless, and cells beside it have surfaces that are none.
 #pragma once
 
 #include "import/imported/imported.h"
@@ -9,5 +9,8 @@ namespace isostrata {
 /// span; powers of ten by a thousand times that), and the others are not few values, as numbers of materials are. Whole numbers become real ones. Of an array of many values every n-th is looked at
 /// first. One that does not fit into memory once more stays as it is.
 void leave_out_missing(Imported& imported, const ReadRequest& request);
+
+/// Makes NaN of one value that the file names. Whole numbers become real ones if it is among them.
+void leave_out_value(FileArray& array, double none);
 
 }  // namespace isostrata

@@ -1,5 +1,6 @@
 #include <algorithm>
 #include <array>
+#include <cctype>
 #include <cmath>
 #include <cstddef>
 #include <cstdint>
@@ -25,6 +26,24 @@ std::int64_t trailing_count(std::string_view line) {
   return count && *count >= 1 && *count <= 1000 ? *count : 1;
 }
 
+/// What the two lines of text say that the only field is; a density where they say nothing.
+std::string name_by(std::string_view remarks) {
+  std::string text;
+  for (const char c : remarks) text += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const auto says = [&](std::string_view word) { return text.find(word) != std::string::npos; };
+  for (const std::string_view orbital : {"wavefunction", "orbital", " mo "})
+    if (const auto at = text.find(orbital); at != std::string::npos) {
+      std::string_view rest = std::string_view(text).substr(at + orbital.size());
+      rest.remove_prefix(std::min(rest.find_first_not_of(" \t:#="), rest.size()));
+      const auto number = parsed_number<std::int64_t>(rest.substr(0, std::min(rest.find_first_not_of("0123456789"), rest.size())));
+      return number ? "orbital " + std::to_string(*number) : "orbital";
+    }
+  if (says("potential")) return "potential";
+  if (says(" elf") || says("localization")) return "localization";
+  if (says("spin density") || says("spin-density") || says("spin_density")) return "spin density";
+  return "density";
+}
+
 }  // namespace
 
 // Gaussian's cube files: two lines of text; atoms, origin and the number of values in each point, if it is not 1; three lines of count and step; the atoms; then the values, z fastest. A negative
@@ -34,8 +53,9 @@ Imported read_gaussian_cube(const ReadRequest& request) {
   check_step(request, 1);
   const MappedFile file(request.file);
   TextNumbers words({reinterpret_cast<const char*>(file.bytes().data()), file.bytes().size()}, name);
-  words.skip_line();
-  words.skip_line();
+  std::string remarks(words.rest_of_line());
+  remarks = " " + remarks + " ";
+  remarks += words.rest_of_line();
   std::int64_t atoms = words.integer("the number of atoms", 1'000'000);
   const bool named_fields = atoms < 0;
   atoms = std::abs(atoms);
@@ -55,7 +75,7 @@ Imported read_gaussian_cube(const ReadRequest& request) {
     words.skip_line();
   }
   for (std::int64_t i = 0; i < atoms; ++i) words.skip_line();
-  std::vector<std::string> names{"density"};
+  std::vector<std::string> names{name_by(remarks)};
   if (fields > 1) names.clear();
   for (std::int64_t i = 1; fields > 1 && i <= fields; ++i) names.push_back("value " + std::to_string(i));
   if (named_fields) {

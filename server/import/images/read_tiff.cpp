@@ -12,6 +12,8 @@
 
 #include "import/bytes/mapped_file.h"
 #include "import/bytes/swap_bytes.h"
+#include "import/dataset/missing_values.h"
+#include "import/images/geo_tiff.h"
 #include "import/images/picture_files.h"
 #include "import/images/tiff_stack.h"
 #include "import/imported/appended_file.h"
@@ -173,6 +175,17 @@ Imported read_slices(const ReadRequest& request, const Pages& pages, std::uint64
   return imported;
 }
 
+/// North is up: y grows to the north, and the lowest row comes first, as in every picture here.
+void place_on_earth(Imported& imported, const TiffDirectory& directory, const PageLayout& layout, const std::string& name) {
+  const std::optional<GeoPlace> at = geo_place(directory);
+  if (!at) return;
+  const auto below = static_cast<double>(layout.bottom_first ? 0 : layout.rows - 1), turn = layout.bottom_first ? 1.0 : -1.0;
+  Block& block = imported.blocks.front();
+  place_image(block, block.grid.dims(), {at->first[0] + below * at->row[0], at->first[1] + below * at->row[1], 0},
+              {{{at->column[0], at->column[1], 0}, {turn * at->row[0], turn * at->row[1], 0}, {0, 0, 1}}}, name);
+  imported.notes.emplace_back("placed by its GeoTIFF tags, in the middles of the pixels: x to the east, y to the north");
+}
+
 }  // namespace
 
 Imported read_tiff(const ReadRequest& request) {
@@ -188,6 +201,10 @@ Imported read_tiff(const ReadRequest& request) {
   if (stack)
     why = "its description speaks of " + std::to_string(stack->planes()) + " pages, " + std::to_string(pages.count) + " are there: they are read as slices";
   Imported imported = read_slices(request, pages, file.bytes().size());
+  if (directory && !request.times_only) {
+    place_on_earth(imported, *directory, pages.layout, request.file.filename().string());
+    if (const auto none = geo_no_data(*directory)) leave_out_value(imported.blocks.front().arrays.front(), *none);
+  }
   if (!why.empty()) imported.notes.push_back(why);
   return imported;
 }

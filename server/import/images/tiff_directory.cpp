@@ -1,6 +1,7 @@
 #include "import/images/tiff_directory.h"
 
 #include <algorithm>
+#include <bit>
 
 namespace isostrata {
 namespace {
@@ -30,7 +31,7 @@ int bytes_of(std::uint64_t type) {
     case 3: return 2;                    // SHORT
     case 4: return 4;                    // LONG
     case 5: return 8;                    // RATIONAL
-    case 16: case 18: return 8;          // LONG8, IFD8
+    case 12: case 16: case 18: return 8;  // DOUBLE, LONG8, IFD8
     default: return 1;
   }
 }
@@ -41,7 +42,7 @@ struct Widths {
   const std::uint64_t entry, count, word;
 };
 
-constexpr std::uint64_t kMostEntries = 4096;
+constexpr std::uint64_t kMostEntries = 4096, kMostGeo = 4096;
 
 }  // namespace
 
@@ -81,14 +82,27 @@ std::optional<TiffDirectory> first_tiff_directory(std::span<const std::byte> fil
       const auto below = static_cast<double>(numbers.at(place + 4, 4));
       return type == 5 && below > 0 ? static_cast<double>(numbers.at(place, 4)) / below : 0;
     };
+    const auto text = [&] { return std::string(reinterpret_cast<const char*>(file.data()) + place, static_cast<std::size_t>(std::min(count, kLongestDescription))); };
+    const auto reals = [&] {
+      std::vector<double> values;
+      for (std::uint64_t i = 0; type == 12 && i < std::min(count, kMostGeo); ++i) values.push_back(std::bit_cast<double>(numbers.at(place + 8 * i, 8)));
+      return values;
+    };
     switch (numbers.at(at, 2)) {
       case 259: out.compression = static_cast<int>(first); break;
-      case 270: out.description.assign(reinterpret_cast<const char*>(file.data()) + place, static_cast<std::size_t>(std::min(count, kLongestDescription))); break;
+      case 270: out.description = text(); break;
       case 273: out.strips = count, out.first_strip = first; break;
       case 282: out.x_resolution = quotient(); break;
       case 283: out.y_resolution = quotient(); break;
       case 284: out.layout = static_cast<int>(first); break;
       case 296: out.resolution_unit = static_cast<int>(first); break;
+      case 33550: out.pixel_scale = reals(); break;
+      case 33922: out.tie_points = reals(); break;
+      case 34264: out.transformation = reals(); break;
+      case 34735:
+        for (std::uint64_t i = 0; type == 3 && i < std::min(count, kMostGeo); ++i) out.geo_keys.push_back(static_cast<std::uint16_t>(numbers.at(place + 2 * i, 2)));
+        break;
+      case 42113: out.no_data = text(); break;
       default: break;
     }
   }

@@ -8,6 +8,7 @@
 #include <optional>
 #include <span>
 #include <string>
+#include <vector>
 
 namespace isostrata {
 
@@ -21,6 +22,10 @@ struct TiffDirectory {
   bool last = false;              // no other follows it
   std::uint64_t strips = 0;       // pieces of the picture; 0: tiles
   std::uint64_t first_strip = 0;  // where the first begins
+  // GeoTIFF 1.1 (OGC 19-008r4), and GDAL's own:
+  std::vector<double> pixel_scale, tie_points, transformation;  // as in the file; empty if they are not there
+  std::vector<std::uint16_t> geo_keys;                          // four a key
+  std::string no_data;                                          // a number as text
 };
 
 /// Nothing for what is not a TIFF file or has a damaged directory: why, OpenImageIO says.
