@@ -5,6 +5,7 @@
 #include <boost/json.hpp>
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <fstream>
 #include <random>
 #include <set>
@@ -195,6 +196,54 @@ TEST_F(ForeignFormats, AnExodusFileWhoseArraysVtkMissesIsRefused) {
   EXPECT_NE(std::string(error.what()).find("'file_size'"), std::string::npos) << error.what();
 }
 
+TEST_F(ForeignFormats, ElementsOfSecondOrderOfGmshAndCalculixFillTheirCellsAndKeepTheirValues) {
+  int files = 0;
+  for (const auto& entry : std::filesystem::directory_iterator(folder_ / "f")) {
+    const std::string name = entry.path().filename().string();
+    if (!name.starts_with("second_")) continue;
+    SCOPED_TRACE(name);
+    ++files;
+    const auto data = test::open(entry.path());
+    double volume = 0;
+    for (std::int64_t cell = 0; cell < data->grid.cell_count(); ++cell) {
+      const double piece = test::cell_volume(data->grid, cell);
+      EXPECT_GT(piece * test::cell_volume(data->grid, 0), 0) << "cell " << cell << " is turned against the first";
+      volume += piece;
+    }
+    EXPECT_NEAR(6 * std::abs(volume), std::stod(name.substr(name.rfind('_') + 1)), 1e-9);
+    for (std::int64_t p = 0; p < data->grid.point_count(); ++p) {
+      const Vec3d at = data->grid.point(p);
+      EXPECT_NEAR(data->arrays.front().at(static_cast<std::size_t>(p)), at.x + 10 * at.y + 100 * at.z, 1e-3) << "point " << p;
+    }
+  }
+  EXPECT_EQ(files, 10);
+}
+
+TEST_F(ForeignFormats, MeshesOfGmshAndCalculixThatAreRefusedSayWhy) {
+  const auto expect = [&](const std::string& name, const std::string& from, const std::string& to, ErrorCode code, const std::string& what) {
+    const std::string bytes = test::read_bytes(file(name));
+    const auto at = bytes.find(from);
+    ASSERT_NE(at, std::string::npos) << name << ": " << from;
+    const Error error = test::refusal(folder_.write("f/wrong" + file(name).extension().string(), std::string(bytes).replace(at, from.size(), to)));
+    EXPECT_EQ(error.code(), code) << error.what();
+    EXPECT_NE(std::string(error.what()).find(what), std::string::npos) << error.what();
+  };
+  expect("four_text.msh", "4.1 0 8", "4 0 8", ErrorCode::unsupported, "version 4 of Gmsh's format; expected 2.2 or 4.1");
+  expect("four_text.msh", "$MeshFormat", "$NOD\n1\n", ErrorCode::unsupported, "version 1 of Gmsh's format");
+  expect("four_text.msh", "$EndElements", "$", ErrorCode::bad_data, "expected $EndElements");
+  expect("four_text.msh", "2 120 1 5000", "2 120000 1 5000", ErrorCode::bad_data, "120000 nodes declared");
+  expect("four_text.msh", "3 31 5 20", "3 31 29 20", ErrorCode::unsupported, "elements of type 29");
+  expect("two_text.msh", "1001 0.0 0.0 0.0", "999 0.0 0.0 0.0", ErrorCode::bad_data, "has two nodes of number 999");
+  expect("two_text.msh", "500 5 2 1 1 1001", "500 5 2 1 1 1002", ErrorCode::bad_data, "element 500 uses node 1002, which is not there");
+  expect("two_text.msh", "\n60\n500 0.0", "\n60\n501 0.0", ErrorCode::bad_data, "a value for element 501, which is not there");
+  expect("two_text.msh", "\"f\"\n1\n0.5\n3\n0\n1\n", "\"f\"\n1\n0.5\n3\n0\n900\n", ErrorCode::bad_data, "900 components");
+  expect("two_text.msh", "\"f\"\n1\n0.5", "\"f\"\n1\nnan", ErrorCode::bad_data, "not a finite number");
+  expect("short.frd", "         120", "       12000", ErrorCode::bad_data, "12000 as the number of nodes");
+  expect("short.frd", " -1  500    1", " -1  500   13", ErrorCode::bad_data, "element 500 is of type 13");
+  expect("short.frd", " -1 1001 0.00000E+00", " -1  999 0.00000E+00", ErrorCode::bad_data, "two nodes of number 999");
+  expect("short.frd", " 0.00000E+00", " 0.0000xE+00", ErrorCode::bad_data, "expected a place in column 9");
+}
+
 TEST_F(ForeignFormats, ASliceOpensItsSeriesAndNoOtherOfTheFolder) {
   const auto whole = test::open(file("scan"));
   std::filesystem::copy_file(file("scan_implicit/picture0.dcm"), file("scan/one_of_another.dcm"));
@@ -212,7 +261,7 @@ TEST_F(ForeignFormats, ASliceOpensItsSeriesAndNoOtherOfTheFolder) {
 TEST_F(ForeignFormats, CutOffFilesAreErrorsAndMutatedOnesEndInADatasetOrAnError) {
   std::vector<std::pair<std::string, std::string>> files;
   for (const std::string name : {"c_order.npy", "vectors.npy", "classic.nc", "four.nc", "image.vtkhdf", "cells.hdf", "structured.cgns", "unstructured.cgns",
-                                 "scaled.nii", "turned.nii", "orbitals.cube", "grids.xsf", "CHGCAR", "head.mgh", "short.mgz", "scan/picture1.dcm", "plain.h5", "kinds.h5", "links.h5", "gaps3.nc", "types.nc", "stored.npz", "packed.npz"})
+                                 "scaled.nii", "turned.nii", "orbitals.cube", "grids.xsf", "CHGCAR", "head.mgh", "short.mgz", "two_text.msh", "two_binary.msh", "four_text.msh", "four_binary.msh", "second_12_6.msh", "short.frd", "doubles.frd", "scan/picture1.dcm", "plain.h5", "kinds.h5", "links.h5", "gaps3.nc", "types.nc", "stored.npz", "packed.npz"})
     files.emplace_back(file(name).filename().string(), test::read_bytes(file(name)));
   const Scratch scratch;
   for (const auto& [name, bytes] : files) {
@@ -317,6 +366,7 @@ TEST(Recognise, WhatIsRefusedSaysWhatItIsAndWhatToDo) {
                                                                                   {"a.bp", "ADIOS", "VTKHDF"},
                                                                                   {"a.raw", "without a header", ".nhdr"},
                                                                                   {"a.msh", "mesh", "meshio"},
+                                                                                  {"a.cas", "mesh", "meshio"},
                                                                                   {"a.csv", "a table", "grid"},
                                                                                   {"a.jpg", "one picture", "slice_*.png"},
                                                                                   {"a.czi", "a microscope's own", "OME-Zarr"},

@@ -18,10 +18,12 @@ import zlib
 import block_files
 import h5py
 import hdf5_files
+import mesh_files
 import netCDF4
 import netcdf_files
 import numpy as np
 import PIL.Image
+import PIL.TiffImagePlugin
 import pydicom
 import xarray_files
 import xdmf_files
@@ -332,6 +334,31 @@ def gaussian_cube():
     with open("values.cube", "w") as out:
         out.write(text.replace("  1.00000D+00", "  1.00000-102", 1))
     lattice("values.cube", {"value 1": [0, 345, 0], "value 2": [-345, 0, 0]}, [1, 3.5, 2, 6, 3, 9], [1.5, 2, 3, "value 1", 1e-102])
+    one = text.replace(" 1 1.0 2.0 3.0 2\n", " 1 1.0 2.0 3.0\n")
+    for i, (remark, name) in enumerate((("-Quickstep-\n HARTREE POTENTIAL\n", "potential"), ("-Quickstep-\n  WAVEFUNCTION            4  spin            1  i.e. HOMO -            0\n", "orbital 4"),
+                                        ("-Quickstep-\n  ELF spin            1\n", "localization"), (" Title Card\n Electrostatic potential from Total SCF Density\n", "potential"), ("water\nMO = 12\n", "orbital 12"),
+                                        (" Title\n Electron density from Total SCF Density\n", "density"), ("spin density\nof a test\n", "spin density"), ("made by itself\nOUTER LOOP: X, MIDDLE LOOP: Y, INNER LOOP: Z\n", "density"))):
+        with open(f"remark_{i}.cube", "w") as out:  # the first of each two values is the field's
+            lines = one.split("\n")
+            head, numbers = lines[2:7], " ".join(lines[7:]).replace("D", "E").split()[::2]
+            out.write(remark + "\n".join(head) + "\n" + "\n".join(numbers) + "\n")
+        lattice(f"remark_{i}.cube", {name: [0, 345, 0]}, [1, 3.5, 2, 6, 3, 9], [3.5, 5, 7, name, 235])
+
+
+def geo_tiffs():
+    """The upper left corner at 1000, 5000, pixels of 10 by 20 m; north is up. As corners or middles of pixels, by a scale or by a matrix; turned by a matrix."""
+    for name, tags, first in (("corner.tif", {33550: (10.0, 20.0, 0.0), 33922: (0.0, 0.0, 0.0, 1000.0, 5000.0, 0.0), 34735: (1, 1, 0, 1, 1025, 0, 1, 1), 42113: "-9999"}, (1005, 4990)),
+                              ("middle.tif", {33550: (10.0, 20.0, 0.0), 33922: (2.0, 1.0, 0.0, 1020.0, 4980.0, 0.0), 34735: (1, 1, 0, 1, 1025, 0, 1, 2), 42113: "-9999"}, (1000, 5000)),
+                              ("matrix.tif", {34264: (10.0, 0.0, 0.0, 1000.0, 0.0, -20.0, 0.0, 5000.0) + (0.0,) * 7 + (1.0,), 42113: "-9999 "}, (1005, 4990))):
+        values = FIELD[0].astype("f4")
+        values[0, 0] = -9999
+        info = PIL.TiffImagePlugin.ImageFileDirectory_v2()
+        for tag, value in tags.items():
+            info[tag] = value
+            info.tagtype[tag] = 2 if isinstance(value, str) else 12 if isinstance(value[0], float) else 3
+        PIL.Image.fromarray(values).save(name, tiffinfo=info)
+        bounds = [first[0], first[0] + 10 * (NX - 1), first[1] - 20 * (NY - 1), first[1], 0, 0]
+        expect(name, "uniform", NX * NY, (NX - 1) * (NY - 1), {"Tiff Scalars": [1, 45, 1]}, bounds, [first[0] + 30, first[1] - 20, 0, "Tiff Scalars", 13])
 
 
 def ensight():
@@ -673,11 +700,13 @@ def main():
     xsf()
     vasp()
     freesurfer()
+    mesh_files.write(expect)
     openfoam_cases()
     ensight()
     older_and_binary_ensight()
     named_ensight()
     pictures()
+    geo_tiffs()
     meta_images()
     packed()
     zarr_files.write(FIELD, lattice, expect)

@@ -290,8 +290,10 @@ Recognised recognise(const fs::path& path) {
     refuse_microscope(file, name);
     return {FileKind::tiff, {}};
   }
+  if (head.starts_with("$MeshFormat") || (head.starts_with("$Comments") && head.find("\n$MeshFormat") != std::string::npos)) return {FileKind::gmsh, {}};
+  if (head.starts_with("$NOD")) throw Error(ErrorCode::unsupported, name + ": is of version 1 of Gmsh's format; expected 2.2 or 4.1: gmsh IN.msh -save -format msh41 -o OUT.msh");
   if (begins_as_meta_image(head)) return {FileKind::meta_image, {}};
-  for (const FileKind kind : {FileKind::meta_image, FileKind::slc, FileKind::series, FileKind::xdmf, FileKind::gaussian_cube, FileKind::xsf, FileKind::ensight, FileKind::cgns})
+  for (const FileKind kind : {FileKind::meta_image, FileKind::slc, FileKind::series, FileKind::xdmf, FileKind::gaussian_cube, FileKind::xsf, FileKind::frd, FileKind::ensight, FileKind::cgns})
     if (ends_with_one_of(file, extensions_of(kind))) return {kind, {}};
   if (is_vasp(file, head)) return {FileKind::vasp, {}};
   if (ends_with_one_of(file, ".mrc .mrcs")) return {FileKind::mrc, {}};  // before 2000 without a mark

@@ -40,6 +40,8 @@ bool says_what_it_reads(FileKind kind) {
     case FileKind::xsf:
     case FileKind::vasp:
     case FileKind::mgh:
+    case FileKind::gmsh:
+    case FileKind::frd:
     case FileKind::netcdf:
     case FileKind::slc:
       return true;

@@ -49,6 +49,13 @@ class TextNumbers {
     text_.remove_prefix(std::min(line.size() + 1, text_.size()));
     return line.substr(0, line.find_last_not_of(" \t\r") + 1);
   }
+  /// The next bytes, whatever they are: binary numbers within a text.
+  std::string_view take(std::size_t bytes, const char* what) {
+    if (bytes > text_.size()) throw Error(ErrorCode::bad_data, name_ + ": ends before " + what);
+    const auto taken = text_.substr(0, bytes);
+    text_.remove_prefix(bytes);
+    return taken;
+  }
   bool number_follows() const {
     const auto at = text_.find_first_not_of(" \t\r\n");
     return at != std::string_view::npos && (std::isdigit(static_cast<unsigned char>(text_[at])) || text_[at] == '-' || text_[at] == '+' || text_[at] == '.');

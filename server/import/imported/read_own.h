@@ -38,6 +38,12 @@ Imported read_vasp(const ReadRequest& request);
 /// FreeSurfer's .mgh and .mgz.
 Imported read_mgh(const ReadRequest& request);
 
+/// Gmsh's .msh: its nodes and elements, with the values that stand there too.
+Imported read_gmsh(const ReadRequest& request);
+
+/// CalculiX's .frd.
+Imported read_frd(const ReadRequest& request);
+
 /// A folder of DICOM slices, the files of a pattern, a file with its siblings of one series, or a file of many frames. Uncompressed.
 Imported read_dicom(const ReadRequest& request);
 /// DICOM with one picture, which is a slice of a volume rather than a step.

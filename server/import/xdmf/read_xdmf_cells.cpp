@@ -1,9 +1,6 @@
-#include <vtkCellArray.h>
 #include <vtkCellType.h>
 #include <vtkIdList.h>
 #include <vtkNew.h>
-#include <vtkTypeInt64Array.h>
-#include <vtkUnsignedCharArray.h>
 #include <vtkUnstructuredGrid.h>
 
 #include <algorithm>
@@ -14,6 +11,7 @@
 #include <vector>
 
 #include "import/bytes/parsed_number.h"
+#include "import/vtk/set_cells.h"
 #include "import/xdmf/xdmf_grid.h"
 
 namespace isostrata {
@@ -66,23 +64,6 @@ struct XdmfCells {
   std::vector<std::int64_t> ids;
 };
 
-template <class Array, class T>
-void fill_array(Array* array, const std::vector<T>& values) {
-  array->SetNumberOfValues(static_cast<vtkIdType>(values.size()));
-  std::copy(values.begin(), values.end(), array->GetPointer(0));
-}
-
-void set_xdmf_cells(vtkUnstructuredGrid* grid, const XdmfCells& cells) {
-  vtkNew<vtkTypeInt64Array> ends, ids;
-  vtkNew<vtkUnsignedCharArray> types;
-  fill_array(ends.Get(), cells.ends);
-  fill_array(ids.Get(), cells.ids);
-  fill_array(types.Get(), cells.types);
-  vtkNew<vtkCellArray> array;
-  array->SetData(ends, ids);
-  grid->SetCells(types, array);
-}
-
 /// A list of numbers: of each cell its type, how many nodes (or faces) it has if the type does not say it, and these.
 class MixedCells {
  public:
@@ -100,7 +81,7 @@ class MixedCells {
       add(*kind, cells);
     }
     if (!polyhedra)
-      set_xdmf_cells(grid, cells);
+      set_cells(grid, cells.types, cells.ends, cells.ids);
     else
       insert(cells, grid);
     return grid;
@@ -181,7 +162,7 @@ vtkSmartPointer<vtkUnstructuredGrid> xdmf_cells(const XdmfElement& topology, Xdm
   for (std::size_t c = 0; c < cells.ends.size(); ++c) cells.ends[c] = static_cast<std::int64_t>(c) * nodes;
   cells.ids = std::move(ids);
   const auto grid = vtkSmartPointer<vtkUnstructuredGrid>::New();
-  set_xdmf_cells(grid, cells);
+  set_cells(grid, cells.types, cells.ends, cells.ids);
   return grid;
 }
 
