@@ -442,6 +442,15 @@ def named_ensight():
     steps("my case/a case.case", '"a box.geo"', '"my steps/f at ****.scl"', "filename numbers: 7 12")
     steps("blanks.case", '"my case/a box.geo"', '"my case/my steps/f at ****.scl"', "filename start number: 7\nfilename increment: 5")
     steps("one_star.case", "box.geo", "f*.scl", "filename numbers:\n7\n12", "time values:\n0.5\n1.5")
+    shutil.copy("f12.scl", "f13.scl")
+    uneven = "FORMAT\ntype: ensight gold\nGEOMETRY\nmodel: box.geo\nVARIABLE\nscalar per node: 1 f f*.scl\nTIME\ntime set: 1\nnumber of steps: 3\nfilename numbers: 7\n12\n13\ntime values: 1 2 4\n"
+    with open("uneven.case", "w") as out:
+        out.write(uneven)
+    with open("uneven_dos.case", "w") as out:
+        out.write(uneven.replace("\n", "\r\n"))
+    for name in ("uneven.case", "uneven_dos.case"):
+        expect(name, "unstructured", 2 * NX * NY * NZ - NY * NZ, 2 * (NX - 1) * (NY - 1) * (NZ - 1), {"f": [1000, 1350, 0]},
+               [0, 10, 0, NY - 1, 0, NZ - 1], [10, 3, 2, "f", 1240], [1, 2, 4], 2)
     with open("numbers.txt", "w") as out:
         out.write("7\n12\n")
     with open("the times.txt", "w") as out:

@@ -1,4 +1,5 @@
-// Cases of EnSight as VTK's reader takes them: it takes quotes for a part of the names, ends a name at a blank, and knows no lists of numbers in files of their own.
+// Cases of EnSight as VTK's reader takes them: it takes quotes for a part of the names, ends a name at a blank, knows no lists of numbers in files of their own, and
+// from VTK 9.6 on no numbers on several lines.
 #pragma once
 
 #include <filesystem>

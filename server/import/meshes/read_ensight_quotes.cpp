@@ -1,7 +1,10 @@
 #include "import/meshes/ensight_quotes.h"
 
 #include <algorithm>
+#include <cctype>
+#include <climits>
 #include <cstddef>
+#include <cstdint>
 #include <fstream>
 #include <iomanip>
 #include <iterator>
@@ -69,26 +72,63 @@ std::string written(const Line& line) {
   return out;
 }
 
-/// "filename numbers file: FILE" as "filename numbers:" with these; the same of "time values".
-std::optional<std::string> with_numbers(const std::string& text, const ReadRequest& request) {
+/// As all readers take them: that of VTK 9.6 looks for them on one line alone, and none takes a line above kLongestLine.
+std::string file_numbers(const std::vector<std::string>& words, const std::string& name) {
+  std::vector<std::int64_t> numbers;
+  for (const std::string& word : words) {
+    const auto number = parsed_number<std::int64_t>(word);
+    if (!number || *number < 0 || *number > INT_MAX) throw Error(ErrorCode::bad_data, name + ": expected whole numbers behind 'filename numbers', which has '" + word.substr(0, 40) + "'");
+    numbers.push_back(*number);
+  }
+  const std::int64_t step = numbers.size() > 1 ? numbers[1] - numbers[0] : 0;
+  if (step > 0 && std::adjacent_find(numbers.begin(), numbers.end(), [&](auto a, auto b) { return b - a != step; }) == numbers.end())
+    return "filename start number: " + std::to_string(numbers[0]) + "\nfilename increment: " + std::to_string(step) + "\n";
+  std::string line = "filename numbers:", lines = line + "\n";
+  for (const std::int64_t number : numbers) line += " " + std::to_string(number), lines += std::to_string(number) + "\n";
+  return line.size() <= kLongestLine ? line + "\n" : lines;
+}
+
+/// The text behind the key, if the line has it.
+std::optional<std::string> behind(const std::string& line, const std::string& key) {
+  const auto begin = line.find_first_not_of(" \t");
+  if (begin == std::string::npos || !line.substr(begin).starts_with(key)) return std::nullopt;
+  return line.substr(begin + key.size());
+}
+
+std::vector<std::string> numbers_of(const std::string& file, const ReadRequest& request) {
   const std::string name = request.file.filename().string();
-  for (const std::string key : {"filename numbers", "time values"}) {
-    const auto begin = text.find_first_not_of(" \t");
-    if (begin == std::string::npos || !text.substr(begin).starts_with(key + " file:")) continue;
-    std::istringstream words(text.substr(begin + key.size() + 6));
+  std::ifstream in(referred_file(request.file, file));
+  std::vector<std::string> out;
+  std::size_t bytes = 0;
+  for (std::string word; in >> word;) {
+    if (!parsed_number<double>(word)) throw Error(ErrorCode::bad_data, name + ": expected numbers in '" + file + "', which has '" + word.substr(0, 40) + "'");
+    if ((bytes += word.size()) > kMostNumbers) throw Error(ErrorCode::too_large, name + ": '" + file + "' is above " + std::to_string(kMostNumbers >> 20) + " MiB; numbers of steps are not that many");
+    out.push_back(word);
+  }
+  return out;
+}
+
+/// "time values file: FILE" as "time values:" with these, "filename numbers file: FILE" and "filename numbers:" as file_numbers has them; `lines` goes on behind what was taken.
+std::optional<std::string> with_numbers(const std::string& line, std::istream& lines, const ReadRequest& request) {
+  const auto named = [](const std::string& text) {
     std::string file;
-    words >> std::quoted(file);
-    const fs::path path = referred_file(request.file, file);
-    std::ifstream in(path);
-    std::string out = key + ":\n", word;
-    while (in >> word) {
-      if (!parsed_number<double>(word)) throw Error(ErrorCode::bad_data, name + ": expected numbers in '" + file + "', which has '" + word.substr(0, 40) + "'");
-      if (out.size() > kMostNumbers) throw Error(ErrorCode::too_large, name + ": '" + file + "' is above " + std::to_string(kMostNumbers >> 20) + " MiB; numbers of steps are not that many");
-      out += word + "\n";
-    }
+    std::istringstream(text) >> std::quoted(file);
+    return file;
+  };
+  if (const auto text = behind(line, "time values file:")) {
+    std::string out = "time values:\n";
+    for (const std::string& word : numbers_of(named(*text), request)) out += word + "\n";
     return out;
   }
-  return std::nullopt;
+  const std::string name = request.file.filename().string();
+  if (const auto text = behind(line, "filename numbers file:")) return file_numbers(numbers_of(named(*text), request), name);
+  const auto text = behind(line, "filename numbers:");
+  if (!text) return std::nullopt;
+  std::istringstream words(*text);
+  std::vector<std::string> numbers{std::istream_iterator<std::string>(words), {}};
+  while (lines >> std::ws && std::isdigit(lines.peek())) lines >> numbers.emplace_back();
+  lines.clear();
+  return file_numbers(numbers, name);
 }
 
 bool is_case(const fs::path& file) {
@@ -122,14 +162,14 @@ fs::path case_for_reader(const ReadRequest& request) {
   const std::string name = request.file.filename().string();
   std::ifstream in(request.file);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (text.find('"') == std::string::npos && text.find(" file:") == std::string::npos) return request.file;
+  if (text.find('"') == std::string::npos && text.find(" file:") == std::string::npos && text.find("filename numbers:") == std::string::npos) return request.file;
   std::istringstream lines(text);
   std::string copy;
   for (std::string one; std::getline(lines, one);) {
     if (one.ends_with('\r')) one.pop_back();
     const Line line = line_of(one);
     if (line.file == line.words.size()) {
-      copy += with_numbers(one, request).value_or(one + "\n");
+      copy += with_numbers(one, lines, request).value_or(one + "\n");
       continue;
     }
     const std::string made = written(line);
