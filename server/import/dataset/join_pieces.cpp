@@ -106,9 +106,9 @@ class Joiner {
   }
 
   void find_common_points() {
-    const NearPoints near(block_.grid);
+    const NearPoints near(block_.grid, first_points_);
     std::vector<std::size_t> newest(stands_for_.size());  // of a point that stands for others: the last piece that has it
-    for (std::int64_t p = 0; p < block_.grid.point_count(); ++p) {
+    for (const std::int64_t p : near.candidates()) {
       const std::size_t piece = newest[static_cast<std::size_t>(p)] = piece_of(p);
       bool met = false;
       const std::int64_t same = near.first(p, [&](std::int64_t other) {

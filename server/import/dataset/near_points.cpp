@@ -47,15 +47,46 @@ double last_bit(const Grid& grid) {
       std::get<UnstructuredGrid>(grid.shape).points);
 }
 
+bool contains(const Box3d& box, const Vec3d& p) {
+  return p.x >= box.lower.x && p.x <= box.upper.x && p.y >= box.lower.y && p.y <= box.upper.y && p.z >= box.lower.z && p.z <= box.upper.z;
+}
+
+bool meet(const Box3d& a, const Box3d& b) {
+  return a.lower.x <= b.upper.x && b.lower.x <= a.upper.x && a.lower.y <= b.upper.y && b.lower.y <= a.upper.y && a.lower.z <= b.upper.z && b.lower.z <= a.upper.z;
+}
+
+/// Points that lie no further than twice `apart` from the box around another piece.
+std::vector<std::int64_t> beside_other_pieces(const Grid& grid, std::span<const std::int64_t> first_points, double apart) {
+  const std::size_t pieces = first_points.size();
+  const auto end_of = [&](std::size_t piece) { return piece + 1 < pieces ? first_points[piece + 1] : grid.point_count(); };
+  std::vector<Box3d> boxes(pieces);
+  for (std::size_t i = 0; i < pieces; ++i) {
+    for (std::int64_t p = first_points[i]; p < end_of(i); ++p) boxes[i].include(grid.point(p));
+    boxes[i].lower = boxes[i].lower - 2.0 * Vec3d{apart, apart, apart};
+    boxes[i].upper = boxes[i].upper + 2.0 * Vec3d{apart, apart, apart};
+  }
+  std::vector<std::int64_t> out;
+  for (std::size_t i = 0; i < pieces; ++i) {
+    std::vector<Box3d> others;
+    for (std::size_t other = 0; other < pieces; ++other)
+      if (other != i && meet(boxes[i], boxes[other])) others.push_back(boxes[other]);
+    for (std::int64_t p = first_points[i]; p < end_of(i); ++p)
+      if (std::any_of(others.begin(), others.end(), [at = grid.point(p)](const Box3d& box) { return contains(box, at); })) out.push_back(p);
+  }
+  return out;
+}
+
 }  // namespace
 
-NearPoints::NearPoints(const Grid& grid) : grid_(grid), points_(static_cast<std::size_t>(grid.point_count())) {
+NearPoints::NearPoints(const Grid& grid, std::span<const std::int64_t> first_points) : grid_(grid) {
   const double rounding = kRoundings * last_bit(grid) * largest_coordinate(grid);
   apart_ = std::min(rounding, kOfTheShortestWay * shortest_way(grid));
   if (rounding > 0) side_ = kRoundingsOfABox * rounding;
-  for (std::size_t p = 0; p < points_.size(); ++p) {
-    const Vec3d at = grid.point(static_cast<std::int64_t>(p));
-    points_[p] = {key({std::floor(at.x / side_), std::floor(at.y / side_), std::floor(at.z / side_)}), static_cast<std::int64_t>(p)};
+  candidates_ = beside_other_pieces(grid, first_points, apart_);
+  points_.reserve(candidates_.size());
+  for (const std::int64_t p : candidates_) {
+    const Vec3d at = grid.point(p);
+    points_.emplace_back(key({std::floor(at.x / side_), std::floor(at.y / side_), std::floor(at.z / side_)}), p);
   }
   std::sort(points_.begin(), points_.end());
 }
