@@ -10,7 +10,6 @@
 #include "data/derived/series_ranges.h"
 #include "data/files/list_folder.h"
 #include "data/files/recognise.h"
-#include "data/values/array_units.h"
 #include "main/arguments.h"
 #include "main/commands.h"
 #include "main/sandbox_option.h"
@@ -79,7 +78,7 @@ json::object describe(const Dataset& dataset, const SeriesRanges& ranges, const 
                                   {"type", to_string(array.type)},
                                   {"components", array.components},
                                   {"component", array.component},
-                                  {"unit", unit_of(dataset.notes, array.name)},
+                                  {"unit", array.unit},
                                   {"range", range_json(of_steps.all)},
                                   {"step_range", range_json({array.lower, array.upper})},
                                   {"step_ranges", std::move(step_ranges)},

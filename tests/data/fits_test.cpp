@@ -8,7 +8,6 @@
 
 #include "data/files.h"
 #include "data/fits_file.h"
-#include "data/values/array_units.h"
 #include "support/mutated_files.h"
 
 namespace isostrata {
@@ -79,7 +78,7 @@ TEST(Fits, AxesOfOnePointAreNoneStokesAreArraysAndTimesSteps) {
   ASSERT_EQ(data->arrays.size(), 2u);
   expect_values(data->array("Stokes I"), {0, 1, 2, 3, 4, 5, 12, 13, 14, 15, 16, 17});
   expect_values(data->array("Stokes Q"), {6, 7, 8, 9, 10, 11, 18, 19, 20, 21, 22, 23});
-  for (const char* array : {"Stokes I", "Stokes Q"}) EXPECT_EQ(unit_of(data->notes, array), "Jy/beam");
+  for (const char* array : {"Stokes I", "Stokes Q"}) EXPECT_EQ(data->array(array).unit, "Jy/beam");
   EXPECT_TRUE(noted(*data, "RA---SIN in deg, DEC--SIN, FREQ in Hz"));
   const Cards film{{"CTYPE4", "'TIME'"}, {"CRVAL4", "10"}, {"CDELT4", "2.5"}, {"CRPIX4", "1"}};
   const auto path = scratch.write("b.fits", header(image(16, {3, 2, 1, 2}, film)) + numbers<std::int16_t>(counted(12)));

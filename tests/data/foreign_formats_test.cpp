@@ -91,6 +91,13 @@ TEST_F(ForeignFormats, HoldWhatWasWritten) {
   }
 }
 
+TEST_F(ForeignFormats, UnitsAreThoseOfTheFiles) {
+  const std::tuple<const char*, const char*, const char*> units[] = {
+      {"of_root.nc", "T", "K"}, {"climate.zarr", "T", "K"}, {"climate.zarr", "packed", ""}, {"climate3.zarr", "T", "K"}, {"parted", "p", "m2/s2"}, {"collated_binary", "p", "m2/s2"},
+      {"CHGCAR", "charge density", "e/Å³"}, {"LOCPOT", "potential", "eV"}};
+  for (const auto& [name, array, unit] : units) EXPECT_EQ(test::open(file(name))->array(array).unit, unit) << name << ": " << array;
+}
+
 TEST_F(ForeignFormats, ZarrHasTheValuesOfTheSameNumpyArrayWhateverPacksThem) {
   int pairs = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder_ / "f")) {

@@ -76,6 +76,12 @@ TEST(Nrrd, EncodingsAgree) {
   expect_volume(scratch.write("bzip2.nrrd", header("\n", "bzip2") + bzip2(raw())));
 }
 
+TEST(Nrrd, SamplesHaveTheirUnit) {
+  const Scratch scratch;
+  EXPECT_EQ(open(scratch.write("raw.nrrd", header("sample units: m/s\n\n") + raw()))->arrays.front().unit, "m/s");
+  EXPECT_EQ(open(scratch.write("none.nrrd", header("\n") + raw()))->arrays.front().unit, "");
+}
+
 TEST(Nrrd, GzipOfSeveralMembersIsOneStream) {
   const Scratch scratch;
   expect_volume(scratch.write("members.nrrd", header("\n", "gzip") + gzip(raw().substr(0, 31)) + gzip(raw().substr(31))));

@@ -8,7 +8,6 @@
 #include <random>
 
 #include "data/dataset/analytic.h"
-#include "data/values/array_units.h"
 #include "engine/picture/draw_input.h"
 #include "engine/picture/extract_scene.h"
 #include "engine/picture/scene_legend.h"
@@ -224,7 +223,7 @@ TEST(ColorRange, AFixedRangeIsTheSameAtEveryStepAndTheStepsOwnIsNot) {
 
 TEST(ColorRange, TheLegendShowsTheMapItselfOverTheWholeRange) {
   auto noted = std::make_shared<Dataset>(*decades());
-  note_unit(noted->notes, "power", "mW");
+  noted->arrays[0].unit = "mW";
   const std::shared_ptr<const Dataset> dataset = noted;
   Scene scene = layer(*dataset);
   scene.annotations.legend = true;

@@ -1,7 +1,6 @@
 // A series' ranges as a session learns them: what is known at once, the rest when all steps have been read.
 #include <gtest/gtest.h>
 
-#include "data/values/array_units.h"
 #include "session/fake_engine.h"
 
 namespace isostrata {
@@ -15,7 +14,7 @@ class RangesInASession : public ::testing::Test, protected SessionsOnAClock {
     facts.arrays.front().lower = facts.arrays.front().upper = 0;
     facts.arrays.front().steps = {{0, 0}, {}, {}};
     facts.missing_steps = 2;
-    note_unit(facts.notes, "temperature", "K");
+    facts.arrays.front().unit = "K";
     facts.first_view = {};
     if (!all) return facts;
     facts.arrays.front().upper = 80;

@@ -4,13 +4,18 @@
 #include <vtkDataArray.h>
 #include <vtkDataSet.h>
 #include <vtkDataSetAttributes.h>
+#include <vtkFloatArray.h>
 #include <vtkImageData.h>
+#include <vtkInformation.h>
+#include <vtkInformationStringKey.h>
 #include <vtkNew.h>
 #include <vtkPointData.h>
 #include <vtkRectilinearGrid.h>
 #include <vtkSmartPointer.h>
 #include <vtkStructuredGrid.h>
 #include <vtkUnstructuredGrid.h>
+#include <vtkXMLImageDataReader.h>
+#include <vtkXMLImageDataWriter.h>
 #include <vtkXMLPDataReader.h>
 #include <vtkXMLPImageDataReader.h>
 #include <vtkXMLPRectilinearGridReader.h>
@@ -135,6 +140,31 @@ TEST(ReadPartitions, VtkFindsEachCellOnceAndTheValuesOfEachPoint) {
     EXPECT_EQ(together, expected);
   }
   EXPECT_EQ(kinds, (std::set<std::string>{"vtkImageData", "vtkRectilinearGrid", "vtkStructuredGrid", "vtkUnstructuredGrid"}));
+}
+
+TEST(ReadPartitions, PartsHaveTheUnitsOfTheWhole) {
+  const testing::TemporaryFolder folder;
+  vtkNew<vtkImageData> image;
+  image->SetDimensions(4, 3, 3);
+  vtkNew<vtkFloatArray> heat;
+  heat->SetName("heat");
+  for (vtkIdType p = 0; p < image->GetNumberOfPoints(); ++p) heat->InsertNextValue(static_cast<float>(p));
+  heat->GetInformation()->Set(vtkDataArray::UNITS_LABEL(), "J < m-3");
+  image->GetPointData()->AddArray(heat);
+  vtkNew<vtkXMLImageDataWriter> writer;
+  writer->SetInputData(image);
+  writer->SetFileName((folder / "heat.vti").c_str());
+  ASSERT_EQ(writer->Write(), 1);
+  const auto run = testing::run_isostrata("partition '" + (folder / "heat.vti").string() + "' --parts 2 --json --out '" + (folder / "parts").string() + "'");
+  ASSERT_EQ(run.status, 0) << run.err;
+  const std::string list(boost::json::parse(run.out).at("list").as_string());
+  vtkNew<vtkXMLImageDataReader> part;
+  part->SetFileName((std::filesystem::path(list).parent_path() / "heat_0.vti").c_str());
+  part->Update();
+  vtkDataArray* const read = part->GetOutput()->GetPointData()->GetArray("heat");
+  ASSERT_TRUE(read);
+  ASSERT_TRUE(read->HasInformation() && read->GetInformation()->Has(vtkDataArray::UNITS_LABEL()));
+  EXPECT_EQ(read->GetInformation()->Get(vtkDataArray::UNITS_LABEL()), std::string("J < m-3"));
 }
 
 }  // namespace

@@ -7,6 +7,16 @@
 
 namespace isostrata {
 
+std::shared_ptr<Dataset> described_as(const Dataset& whole) {
+  auto out = std::make_shared<Dataset>();
+  out->name = whole.name;
+  out->bounds = whole.bounds;
+  out->times = whole.times;
+  out->step = whole.step;
+  out->notes = whole.notes;
+  return out;
+}
+
 const PointArray& Dataset::array(std::string_view wanted) const {
   std::string all;
   std::vector<std::string> names;

@@ -38,6 +38,9 @@ struct Dataset {
   const PointArray& array(std::string_view name) const;
 };
 
+/// A dataset that has the name, bounds, times, step and notes of `whole`, and no grid or array yet.
+std::shared_ptr<Dataset> described_as(const Dataset& whole);
+
 struct OpenOptions {
   int step = 0;                           // throws not_found if the dataset has no such step
   std::filesystem::path importer;         // empty: isostrata-import beside this executable, loaded once (loaded_importer.h); else started for each file

@@ -98,12 +98,7 @@ CellValues values_of(const PointArray& array, const std::vector<std::int64_t>& p
 }
 
 std::shared_ptr<const Dataset> make(const Dataset& whole, std::span<const std::string> arrays, std::uint64_t max_bytes, const Task& task) {
-  auto made = std::make_shared<Dataset>();
-  made->name = whole.name;
-  made->bounds = whole.bounds;
-  made->times = whole.times;
-  made->step = whole.step;
-  made->notes = whole.notes;
+  auto made = described_as(whole);
   std::vector<std::int64_t> point_of;
   if (whole.grid.structured() && whole.grid.cell_count() > 0 && !any_hidden(whole.grid)) {
     if (!whole.grid.rectilinear()) check_bytes(whole, static_cast<std::uint64_t>(whole.grid.point_count()) * sizeof(Vec3d), max_bytes);

@@ -152,6 +152,7 @@ struct Filled {
     array.name = from->name;
     array.components = from->components;
     array.component = from->component;
+    array.unit = from->unit;
     array.type = single ? ScalarType::float32 : ScalarType::float64;
     if (single)
       array.values = std::span<const float>(single.get(), size), array.storage = single;

@@ -64,12 +64,7 @@ std::shared_ptr<const Dataset> take_cells(const Dataset& whole, std::span<const 
   std::sort(points.begin(), points.end());
   points.erase(std::unique(points.begin(), points.end()), points.end());
   for (std::int64_t& id : storage->connectivity) id = std::lower_bound(points.begin(), points.end(), id) - points.begin();
-  auto part = std::make_shared<Dataset>();
-  part->name = whole.name;
-  part->bounds = whole.bounds;
-  part->times = whole.times;
-  part->step = whole.step;
-  part->notes = whole.notes;
+  auto part = described_as(whole);
   part->grid.shape = UnstructuredGrid{take_points(whole.grid, points, *storage), storage->types, storage->offsets, storage->connectivity};
   part->grid.storage = std::move(storage);
   part->cell_types = count_cell_types(part->grid);

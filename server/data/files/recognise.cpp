@@ -16,6 +16,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "data/files/file_beginning.h"
 #include "data/files/file_series.h"
 #include "data/files/nifti_mark.h"
 #include "data/files/openfoam_case.h"
@@ -227,10 +228,8 @@ bool is_openfoam_case(const fs::path& folder) {
 }
 
 bool is_dicom(const fs::path& file) {
-  std::ifstream in(file, std::ios::binary);
-  std::string head(132, '\0');
-  in.read(head.data(), 132);
-  return in && head.substr(128) == "DICM";
+  const std::string head = file_beginning(file, 132);
+  return head.size() == 132 && head.ends_with("DICM");
 }
 
 ReaderNeeds reader_needs(const fs::path& file) {

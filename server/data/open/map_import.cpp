@@ -365,6 +365,7 @@ std::vector<PointArray> map_arrays(Manifest& manifest, const Grid& grid, const I
     array.components =
         static_cast<int>(manifest.integer(manifest.need(fields, "components"), "an array's components", 1, 1 << 20));
     array.component = manifest.text(manifest.need(fields, "component"), "an array's component");
+    array.unit = manifest.text(manifest.need(fields, "unit"), "an array's unit");
     array.type = read_type(manifest, manifest.need(fields, "type"));
     array.values = scalar_span(array.type, fields.contains("in_file")
                                                ? manifest.map_in_place(fields, points, size_of(array.type), array.storage)

@@ -173,11 +173,7 @@ std::shared_ptr<const Dataset> part_of(const Dataset& whole, const Region& regio
   if (bytes > max_bytes)
     throw Error(ErrorCode::too_large, whole.name + ": the region needs " + std::to_string(bytes) + " bytes; the limit is " + std::to_string(max_bytes) +
                                           ": take a smaller one, or a larger stride");
-  auto dataset = std::make_shared<Dataset>();
-  dataset->name = whole.name;
-  dataset->times = whole.times;
-  dataset->step = whole.step;
-  dataset->notes = whole.notes;
+  auto dataset = described_as(whole);
   dataset->grid = grid_of(whole.grid, part, task);
   dataset->bounds = dataset->grid.bounds();
   dataset->cell_types = count_cell_types(dataset->grid);

@@ -214,13 +214,8 @@ void take_unstructured(const Dataset& whole, const Box3d& region, int layers, Da
 
 std::shared_ptr<const Dataset> take_region(const Dataset& whole, const RegionTree& tree, int region, const RegionMargin& margin, PartOrigin* origin) {
   if (whole.grid.cell_count() == 0) return std::make_shared<const Dataset>(whole);
-  auto part = std::make_shared<Dataset>();
-  part->name = whole.name;
-  part->bounds = whole.bounds;
-  part->times = whole.times;
-  part->step = whole.step;
+  auto part = described_as(whole);
   part->cell_types = whole.cell_types;
-  part->notes = whole.notes;
   const Box3d box = region_box(tree, region);
   try {
     if (whole.grid.structured())

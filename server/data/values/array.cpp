@@ -115,6 +115,8 @@ void measure(Values& array) {
 
 }  // namespace
 
+std::string name_with_unit(const std::string& name, const std::string& unit) { return unit.empty() ? name : name + " (" + unit + ")"; }
+
 PointArray as_array(const CellValues& cells, const std::string& name) {
   PointArray array;
   array.name = name;

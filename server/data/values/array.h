@@ -48,6 +48,7 @@ struct PointArray {
   Association association = Association::point;
   int components = 1;          // of the array in the file: 3 for the magnitude of a vector and for each of its components
   std::string component = "";  // "" for a scalar, "magnitude", or the component's name ("x", "0", ...)
+  std::string unit = "";       // as the file says it: "K", "m s-1"; "" if it says none
   ScalarType type = ScalarType::float32;
   ScalarSpan values;                    // [np]
   double lower = 0, upper = 0;          // range of the finite values; lower > upper if there is none
@@ -59,6 +60,9 @@ struct PointArray {
     return std::visit([&](auto v) { return static_cast<double>(v[point]); }, values);
   }
 };
+
+/// "temperature (K)"; the name alone if there is no unit.
+std::string name_with_unit(const std::string& name, const std::string& unit);
 
 /// The values of cells as an array of so many points, for whoever counts values.
 PointArray as_array(const CellValues& cells, const std::string& name);

@@ -21,7 +21,7 @@ DatasetFacts dataset_facts(std::string id, std::string name, const Dataset& data
   for (const ArrayRanges& known : ranges.arrays()) ranges_of[known.name] = &known;
   for (const PointArray& array : dataset.arrays) {
     ArrayFacts of{array.name, array.association == Association::point ? "point" : "cell_averaged", to_string(array.type),
-                  array.components, array.lower, array.upper, array.nan_count, {}, {}};
+                  array.components, array.lower, array.upper, array.nan_count, {}, {}, array.unit};
     if (array.cells) of.cells = ValueRange{array.cells->lower, array.cells->upper};
     if (const auto known = ranges_of.find(array.name); known != ranges_of.end()) {
       of.lower = known->second->all.lower;

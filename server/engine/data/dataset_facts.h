@@ -24,6 +24,7 @@ struct ArrayFacts {
   std::int64_t nan_count = 0;          // at the known step that has most of them
   std::vector<ValueRange> steps = {};  // ArrayRanges::steps; may be empty
   std::optional<ValueRange> cells = {};  // of cell_averaged: of the cells themselves, at the step that was opened
+  std::string unit = {};                 // PointArray::unit
 
   ValueRange range() const { return {lower, upper}; }
   /// Of what is taken: of whole cells theirs.

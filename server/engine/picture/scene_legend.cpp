@@ -7,7 +7,6 @@
 #include <string>
 #include <vector>
 
-#include "data/values/array_units.h"
 #include "engine/picture/scene_styles.h"
 #include "scene/color_range.h"
 
@@ -57,7 +56,12 @@ AnnotationInput annotation_input(const ExtractedScene& extracted, const Scene& s
   out.height = input.height;
   out.background = input.background;
   out.transparent = input.transparent;
-  const auto named = [&](const std::string& array) { return extracted.steps.empty() ? array : name_with_unit(extracted.steps.front()->notes, array); };
+  const auto named = [&](const std::string& name) {
+    if (!extracted.steps.empty())
+      for (const PointArray& array : extracted.steps.front()->arrays)
+        if (array.name == name) return name_with_unit(name, array.unit);
+    return name;
+  };
   out.array = named(extracted.array);
   out.color_by = named(extracted.color_by);
   std::vector<LegendEntry> parts_of_last;

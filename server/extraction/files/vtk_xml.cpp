@@ -113,7 +113,7 @@ void write_vtk_xml(OutputFile& out, const VtkXml& file, int compression, const T
       out.text("        <DataArray type=\"" + array.type + "\" Name=\"" + xml_text(array.name) + "\" NumberOfComponents=\"" +
                std::to_string(array.components) + "\" format=\"appended\" offset=\"");
       offset_at.push_back(out.size());
-      out.text(room + "/>\n");
+      out.text(room + (array.unit.empty() ? "/>\n" : ">\n          <InformationKey name=\"UNITS_LABEL\" location=\"vtkDataArray\">" + xml_text(array.unit) + "</InformationKey>\n        </DataArray>\n"));
     }
     out.text(std::string("      </") + section.tag + ">\n");
   }

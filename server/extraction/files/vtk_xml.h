@@ -22,6 +22,7 @@ struct VtkArray {
   std::uint64_t count = 0;                                                           // of items
   std::uint64_t item_bytes = 0;                                                      // of all components of an item
   std::function<void(std::uint64_t first, std::uint64_t last, std::byte* to)> fill;  // called from any thread
+  std::string unit = {};                                                             // may be empty
 };
 
 /// value(i) for item i: of a type that lies in memory as it is written.
@@ -54,7 +55,7 @@ struct VtkXml {
   std::vector<VtkSection> sections;
 };
 
-/// For an attribute: letters that XML keeps for itself are escaped, and what is below the blank becomes _.
+/// For an attribute or a text: letters that XML keeps for itself are escaped, and what is below the blank becomes _.
 std::string xml_text(const std::string& text);
 
 /// Writes the file. Values lie at multiples of 8 bytes. Throws unavailable, cancelled.

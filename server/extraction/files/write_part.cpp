@@ -42,7 +42,9 @@ VtkArray copied(std::string type, std::string name, std::span<const T> values, i
 }
 
 VtkArray array_of_points(const PointArray& array) {
-  return std::visit([&](auto values) { return copied(vtk_name(array.type), array.name, values); }, array.values);
+  VtkArray out = std::visit([&](auto values) { return copied(vtk_name(array.type), array.name, values); }, array.values);
+  out.unit = array.unit;
+  return out;
 }
 
 VtkArray positions(const PointSpan& points) {

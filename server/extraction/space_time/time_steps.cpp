@@ -86,6 +86,7 @@ PointArray between(const PointArray& first, const PointArray& second, double wei
   out.association = first.association;
   out.components = first.components;
   out.component = first.component;
+  out.unit = first.unit;
   out.type = std::is_same_v<To, float> ? ScalarType::float32 : ScalarType::float64;
   out.values = std::span<const To>(*values);
   out.storage = values;

@@ -217,6 +217,7 @@ class ArrayWriter {
                        {"association", array.on_cells ? "cell_averaged" : "point"},
                        {"components", array.components},
                        {"component", component},
+                       {"unit", valid_utf8(array.unit.substr(0, 100))},
                        {"type", to_string(type)}};
     if (!put_in_place(bytes, type, entry)) writer_.file(array_file(list_.size()), bytes, array.storage);
     if (const auto cells = of_cells_.find(list_.size()); cells != of_cells_.end()) entry.insert(cells->second.begin(), cells->second.end());

@@ -288,6 +288,7 @@ NrrdHeader parse_nrrd_header(std::string_view text, const std::string& name) {
 
   NrrdHeader header;
   header.length = at;
+  if (const std::string* unit = fields.find("sample units")) header.unit = *unit;
   header.type = parse_type(fields);
   header.encoding = parse_encoding(fields);
   header.axes = parse_axes(fields);

@@ -33,6 +33,7 @@ struct NrrdHeader {
   std::vector<NrrdAxis> axes;                   // fastest first
   std::optional<std::array<double, 3>> origin;  // "space origin"
   std::int64_t line_skip = 0, byte_skip = 0;
+  std::string unit;                     // "sample units"
   std::vector<std::string> data_files;  // empty: the data follow the header
   std::size_t length = 0;               // bytes of header, blank line included
 

@@ -141,6 +141,7 @@ FileArray values_of(const std::vector<Slice>& slices, ScalarType type, const Rea
   }
   FileArray array;
   array.name = first.modality == "CT" && (first.rescale_type == "HU" || first.rescale_type.empty()) ? "Hounsfield" : "intensity";
+  array.unit = first.dose_unit == "GY" ? "Gy" : array.name == "Hounsfield" ? "HU" : "";
   array.type = scaled ? ScalarType::float32 : type;
   array.values = scaled ? std::as_bytes(floats) : std::as_bytes(values);
   array.storage = scaled ? std::shared_ptr<const void>(float_storage) : std::shared_ptr<const void>(storage);
@@ -227,7 +228,6 @@ Imported read_dicom(const ReadRequest& request) {
   imported.blocks.push_back(std::move(block));
   imported.notes.push_back("placed in the patient's space: x to the left, y to the back, z up; unit of length: mm");
   if (copies > 0) imported.notes.push_back(std::to_string(copies) + " files are left out: they are copies of others");
-  if (h.dose_unit == "GY") imported.notes.push_back("values are in Gy");
   if (volumes.size() > 1) imported.notes.push_back(std::to_string(volumes.size() - 1) + " other series of the folder skipped: the one of most slices is read");
   return imported;
 }

@@ -6,7 +6,6 @@
 #include <tuple>
 #include <type_traits>
 
-#include "data/values/array_units.h"
 #include "import/bytes/swap_bytes.h"
 #include "import/images/fits_header.h"
 #include "import/images/fits_tiles.h"
@@ -197,7 +196,7 @@ Imported read_fits(const ReadRequest& request) {
       }
     FileArray& array = block.arrays.emplace_back();
     array.name = array_name(header, axes, s);
-    note_unit(imported.notes, array.name, header.text("BUNIT"));
+    array.unit = header.text("BUNIT");
     array.type = of.type;
     std::tie(array.values, array.storage) = out.finish();
   }

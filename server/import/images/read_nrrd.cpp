@@ -214,6 +214,7 @@ Imported read_nrrd(const ReadRequest& request) {
     request.progress(0.4);
     block.arrays.push_back(gather(header, axes, values, request.step));
   }
+  block.arrays.back().unit = header.unit;
   imported.blocks.push_back(std::move(block));
   return imported;
 }

@@ -10,7 +10,6 @@
 #include <utility>
 #include <vector>
 
-#include "data/values/array_units.h"
 #include "import/bytes/mapped_file.h"
 #include "import/bytes/text_numbers.h"
 #include "import/imported/place_image.h"
@@ -179,7 +178,8 @@ Imported read_vasp(const ReadRequest& request) {
   const std::string size = std::to_string(in_file[0]) + " " + std::to_string(in_file[1]) + " " + std::to_string(in_file[2]);
   const auto read = [&] {
     const std::string called = names.arrays[std::min(block.arrays.size(), names.arrays.size() - 1)];
-    const FileArray array = new_array(dims, points, free_name(called, block.arrays), words, request, bytes);
+    FileArray array = new_array(dims, points, free_name(called, block.arrays), words, request, bytes);
+    array.unit = names.unit;
     read_periodic(words, in_file, divisor, values_of(array), request);
     block.arrays.push_back(array);
   };
@@ -197,7 +197,6 @@ Imported read_vasp(const ReadRequest& request) {
   place_image(block, dims, {0, 0, 0}, step, name);
   Imported imported;
   imported.notes.emplace_back("unit of length: Angstrom");
-  for (const FileArray& array : block.arrays) note_unit(imported.notes, array.name, names.unit);
   imported.blocks.push_back(std::move(block));
   return imported;
 }

@@ -24,6 +24,7 @@ struct FileArray {
   std::string name;
   bool on_cells = false;
   int components = 1;
+  std::string unit = {};              // as the file says it; may be empty
   ScalarType type = ScalarType::float32;
   bool partial = false;               // some blocks have no such array: NaN there, which is not a value
   std::span<const std::byte> values;  // [tuples][components], native byte order

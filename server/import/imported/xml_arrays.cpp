@@ -1,6 +1,9 @@
 #include "import/imported/xml_arrays.h"
 
+#include <vtkDataArray.h>
 #include <vtkDataSetAttributes.h>
+#include <vtkInformationStringKey.h>
+#include <vtkXMLDataElement.h>
 #include <vtkXMLUtilities.h>
 
 #include <algorithm>
@@ -28,6 +31,8 @@ namespace isostrata {
 namespace {
 
 constexpr std::size_t kLongestXmlHead = 16u << 20;
+constexpr std::size_t kLongestKey = 1000;  // bytes of what an element InformationKey says
+constexpr std::string_view kBlanks = " \t\r\n";
 constexpr const char* kText = "IsostrataText";  // an element that says where the text in another one begins
 
 std::optional<ScalarType> vtk_type(std::string_view name) {
@@ -39,7 +44,19 @@ std::optional<ScalarType> vtk_type(std::string_view name) {
   return at == names.end() ? std::nullopt : std::optional(at->second);
 }
 
-/// Name, type and components of a DataArray of numbers.
+/// Of its UNITS_LABEL, which VTK's writers put into the element.
+std::string unit_of(vtkXMLDataElement* element) {
+  for (int i = 0; i < element->GetNumberOfNestedElements(); ++i) {
+    vtkXMLDataElement* const key = element->GetNestedElement(i);
+    if (attribute(key, "name") != vtkDataArray::UNITS_LABEL()->GetName() || !key->GetCharacterData()) continue;
+    const std::string_view text = key->GetCharacterData();
+    const auto from = text.find_first_not_of(kBlanks);
+    return from == std::string_view::npos ? "" : std::string(text.substr(from, text.find_last_not_of(kBlanks) + 1 - from));
+  }
+  return {};
+}
+
+/// Name, type, components and unit of a DataArray of numbers.
 std::optional<FileArray> head_of(vtkXMLDataElement* element) {
   const auto type = vtk_type(attribute(element, "type"));
   const std::string_view said = attribute(element, "NumberOfComponents");
@@ -49,13 +66,13 @@ std::optional<FileArray> head_of(vtkXMLDataElement* element) {
   out.name = attribute(element, "Name");
   out.type = *type;
   out.components = static_cast<int>(*components);
+  out.unit = unit_of(element);
   return out;
 }
 
 /// False as soon as use says so.
 template <class Use>
 bool for_each_word(std::string_view text, const Use& use) {
-  constexpr std::string_view kBlanks = " \t\r\n";
   for (auto at = text.find_first_not_of(kBlanks); at != std::string_view::npos; at = text.find_first_not_of(kBlanks, at)) {
     const std::string_view word = text.substr(at, text.find_first_of(kBlanks, at) - at);
     if (!use(word)) return false;
@@ -67,7 +84,7 @@ bool for_each_word(std::string_view text, const Use& use) {
 bool is_space(char c) { return c == ' ' || c == '\t' || c == '\r' || c == '\n'; }
 
 struct Elements {
-  std::string text;          // all elements in front of what is appended, without the texts in them; those of DataArrays are where kText says
+  std::string text;          // all elements in front of what is appended, without the texts in them but InformationKeys'; those of DataArrays are where kText says
   std::size_t appended = 0;  // where it begins, behind its '_'
   bool base64 = false;
 };
@@ -109,6 +126,8 @@ std::optional<Elements> elements_of(std::string_view text) {
       return out;
     }
     out.text += element;
+    if (element.starts_with("<InformationKey ") && !element.ends_with("/>"))
+      if (const std::string_view said = text.substr(at, kLongestKey); said.find('<') != std::string_view::npos) out.text += said.substr(0, said.find('<'));
     if (element.starts_with("<DataArray") && !element.ends_with("/>")) out.text += std::string("<") + kText + " at=\"" + std::to_string(at) + "\"/>";
     if (element.starts_with("</VTKFile")) return out;
   }

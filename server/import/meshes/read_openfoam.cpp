@@ -42,6 +42,7 @@ vtkSmartPointer<vtkPOpenFOAMReader> reader_of(const fs::path& folder, const std:
   reader->SetCaseType(vtkPOpenFOAMReader::RECONSTRUCTED_CASE);
   reader->SetSkipZeroTime(false);
   reader->SetCreateCellToPoint(0);    // cell arrays are averaged as those of any other format
+  reader->SetAddDimensionsToArrayNames(1);
   keep_polyhedra(*reader);
   report_progress(reader, request);
   reader->UpdateInformation();
@@ -60,9 +61,19 @@ vtkSmartPointer<vtkPOpenFOAMReader> reader_of(const fs::path& folder, const std:
   return reader;
 }
 
+/// "p [m2/s2]", as the reader was told to call them, is p in m2/s2.
+void take_units(Block& block) {
+  for (FileArray& array : block.arrays)
+    if (const auto at = array.name.find(" ["); at != std::string::npos && array.name.ends_with(']')) {
+      array.unit = array.name.substr(at + 2, array.name.size() - at - 3);
+      array.name.resize(at);
+    }
+}
+
 /// read_step, whose blocks get the names of the case's regions.
 Imported read_meshes(vtkPOpenFOAMReader* reader, const ReadRequest& request) {
   Imported imported = read_step(reader, request);
+  for (Block& block : imported.blocks) take_units(block);
   vtkMultiBlockDataSet* regions = reader->GetOutput();
   std::vector<std::string> names;
   for (unsigned i = 0; regions && i < regions->GetNumberOfBlocks(); ++i) {

@@ -22,7 +22,6 @@
 #include <variant>
 #include <vector>
 
-#include "data/values/array_units.h"
 #include "import/bytes/mapped_file.h"
 #include "import/imported/read_own.h"
 #include "import/imported/vtk_messages.h"
@@ -277,7 +276,7 @@ Imported read_netcdf(const ReadRequest& request) {
   if (!steps.sorted) imported.notes.push_back(kTimesWereSorted);
   if (!steps.units.empty()) imported.notes.push_back("times are in " + steps.units);
   for (Block& block : imported.blocks)
-    for (const FileArray& array : block.arrays) note_unit(imported.notes, array.name, reader->QueryArrayUnits(array.name.c_str()));
+    for (FileArray& array : block.arrays) array.unit = reader->QueryArrayUnits(array.name.c_str());
   return imported;
 }
 

@@ -12,7 +12,6 @@
 #include <utility>
 #include <vector>
 
-#include "data/values/array_units.h"
 #include "import/netcdf/cf_axes.h"
 #include "import/netcdf/netcdf_axes.h"
 #include "import/netcdf/netcdf_values.h"
@@ -72,6 +71,7 @@ FileArray array_of(const Placed& of, const NetcdfSteps& steps, int step) {
   const vtkSmartPointer<vtkDataArray> values = netcdf_values(of.of.group, of.of.variable, from, count);
   FileArray array;
   array.name = of.of.group.prefix() + of.of.name();
+  array.unit = of.of.text("units");
   array.type = netcdf_stored(*values);
   array.values = {static_cast<const std::byte*>(values->GetVoidPointer(0)), static_cast<std::size_t>(values->GetNumberOfValues()) * size_of(array.type)};
   array.storage = std::make_shared<vtkSmartPointer<vtkDataArray>>(values);
@@ -87,7 +87,6 @@ void add_arrays(const std::vector<Placed>& variables, const NetcdfSteps& steps, 
     for (const int dimension : of.over.space) points *= of.of.group.length(dimension);
     check_bytes(request, bytes += points * size_of(*of.of.type()), name);
     block.arrays.push_back(array_of(of, steps, request.step));
-    note_unit(imported.notes, block.arrays.back().name, of.of.text("units"));
     request.progress(static_cast<double>(block.arrays.size()) / static_cast<double>(variables.size()));
   }
 }

@@ -28,7 +28,6 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
-#include <fstream>
 #include <ios>
 #include <sstream>
 #include <string>
@@ -36,6 +35,7 @@
 #include <utility>
 #include <vector>
 
+#include "data/files/file_beginning.h"
 #include "data/files/recognise.h"
 #include "import/bytes/mapped_file.h"
 #include "import/bytes/parsed_number.h"
@@ -109,10 +109,7 @@ void check_pieces(vtkXMLDataElement* element, const ReadRequest& request) {
 
 /// VTK takes the default where these do not parse. They stand in the first element, long before any data.
 void check_image_placement(const ReadRequest& request) {
-  std::ifstream in(request.file, std::ios::binary);
-  std::string head(8192, '\0');
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(in.gcount()));
+  const std::string head = file_beginning(request.file, 8192);
   for (const std::string attribute : {"Origin", "Spacing"}) {
     const auto at = head.find(" " + attribute + "=");
     if (at == std::string::npos) continue;
@@ -139,10 +136,7 @@ bool says_name(std::string_view element) {
 
 /// VTK's readers give up where an array has no name, and make a name for each component before they look for values.
 void check_arrays(const ReadRequest& request) {
-  std::ifstream in(request.file, std::ios::binary);
-  std::string head(64 << 10, '\0');
-  in.read(head.data(), static_cast<std::streamsize>(head.size()));
-  head.resize(static_cast<std::size_t>(in.gcount()));
+  const std::string head = file_beginning(request.file, 64 << 10);
   constexpr std::string_view kComponents = "NumberOfComponents=\"";
   constexpr std::uint64_t kMostComponents = 100'000;
   for (auto at = head.find(kComponents); at != std::string::npos; at = head.find(kComponents, at + 1)) {

@@ -11,6 +11,7 @@
 #include <vtkDataSetAttributes.h>
 #include <vtkIdList.h>
 #include <vtkInformation.h>
+#include <vtkInformationStringKey.h>
 #include <vtkImageData.h>
 #include <vtkMatrix3x3.h>
 #include <vtkNew.h>
@@ -90,6 +91,7 @@ FileArray shared_array(vtkDataArray* array) {
     out.storage = std::make_shared<vtkSmartPointer<vtkDataArray>>(owner);
   }
   out.components = array->GetNumberOfComponents();
+  if (const char* unit = array->HasInformation() ? array->GetInformation()->Get(vtkDataArray::UNITS_LABEL()) : nullptr) out.unit = unit;
   return out;
 }
 

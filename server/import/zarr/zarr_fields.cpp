@@ -9,7 +9,6 @@
 #include <utility>
 #include <vector>
 
-#include "data/values/array_units.h"
 #include "import/netcdf/cf_axes.h"
 #include "import/netcdf/cf_curved.h"
 #include "import/zarr/zarr_array.h"
@@ -56,7 +55,6 @@ class Fields : private CfVariables {
       const ZarrCount one = add(*of[f], fields[f], from, order, block);
       count.chunks += one.chunks;
       count.missing += one.missing;
-      note_unit(imported.notes, of[f]->name, text_in(of[f]->array.attributes, "units"));
     }
     note_missing(count, imported.notes);
     if (const std::size_t others = of.size() - best.size(); others > 0) imported.notes.push_back(std::to_string(others) + " variables over other axes skipped");
@@ -220,7 +218,9 @@ class Fields : private CfVariables {
       const auto at = static_cast<std::size_t>(std::find(of.dimensions.begin(), of.dimensions.end(), *field.time) - of.dimensions.begin());
       box.at[at] = static_cast<std::int64_t>(place_in_time(field, order));
     }
-    return add_zarr_arrays(store_, of.array, box, request_, [&](std::size_t) { return of.name; }, block);
+    const ZarrCount count = add_zarr_arrays(store_, of.array, box, request_, [&](std::size_t) { return of.name; }, block);
+    block.arrays.back().unit = text_in(of.array.attributes, "units");
+    return count;
   }
 
   ZarrStore& store_;

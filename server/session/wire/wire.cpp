@@ -1,7 +1,6 @@
 #include "session/wire/wire.h"
 
 #include "base/utf8.h"
-#include "data/values/array_units.h"
 
 namespace isostrata {
 namespace {
@@ -186,7 +185,7 @@ v1::DatasetInfo to_wire(const DatasetFacts& facts) {
     info->set_lower(array.lower);
     info->set_upper(array.upper);
     info->set_nan_count(array.nan_count);
-    info->set_unit(valid_utf8(unit_of(facts.notes, array.name)));
+    info->set_unit(array.unit);
     if (array.cells) {
       info->set_cell_lower(array.cells->lower);
       info->set_cell_upper(array.cells->upper);

@@ -34,7 +34,7 @@ class Unstructured {
     write(
         "manifest.json",
         R"({"format":1,"grid":"unstructured","points":["float32",4],"cells":1,"connectivity":4,"hidden_cells":false,)"
-        R"("arrays":[{"name":"a","association":"point","components":1,"component":"","type":"float32"}],"times":1,"step":0,"notes":[]})");
+        R"("arrays":[{"name":"a","association":"point","components":1,"component":"","unit":"","type":"float32"}],"times":1,"step":0,"notes":[]})");
   }
   void write(const std::string& name, const std::string& bytes) { scratch_.write(name, bytes); }
   void replace(const std::string& from, const std::string& to) {
@@ -121,7 +121,7 @@ TEST(MapImport, RefusesEveryInconsistency) {
       {"two arrays of one name",
        [](auto& u) {
          u.replace("\"arrays\":[",
-                   R"("arrays":[{"name":"a","association":"point","components":1,"component":"","type":"float32"},)");
+                   R"("arrays":[{"name":"a","association":"point","components":1,"component":"","unit":"","type":"float32"},)");
          u.write("array_1.bin", bytes_of<float>({1, 2, 3, 4}));
        }},
       {"hidden cells missing", [](auto& u) { u.replace(R"("hidden_cells":false)", R"("hidden_cells":true)"); }},

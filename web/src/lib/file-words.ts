@@ -43,8 +43,7 @@ export function factsOf(entry: DatasetEntry, nowMs: number): string {
 
 /** Notes of a dataset: what several of its files say is said once, with how often. */
 export function timesSaid(notes: readonly string[]): string[] {
-  // Units stand beside the values.
-  return [...new Set(notes)].filter((note) => !note.startsWith("unit of '")).map((note) => {
+  return [...new Set(notes)].map((note) => {
     const times = notes.filter((other) => other === note).length;
     return times > 1 ? `${note} (× ${times})` : note;
   });
