@@ -13,6 +13,7 @@
 
 #include "base/parallel.h"
 #include "base/work.h"
+#include "bench/quantile.h"
 #include "data/dataset/dataset.h"
 #include "engine/picture/draw_input.h"
 #include "engine/picture/extract_scene.h"
@@ -26,11 +27,6 @@ double processor_ms() {
   timespec now{};
   clock_gettime(CLOCK_PROCESS_CPUTIME_ID, &now);
   return 1e3 * static_cast<double>(now.tv_sec) + 1e-6 * static_cast<double>(now.tv_nsec);
-}
-
-double quantile(std::vector<double> values, double q) {
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1))];
 }
 
 Scene scene_of(const std::string& look) {

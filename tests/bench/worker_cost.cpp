@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/stopwatch.h"
+#include "bench/quantile.h"
 #include "engine/engine/engine.h"
 #include "worker/worker_engine.h"
 
@@ -50,11 +51,6 @@ class Way {
   std::optional<FrameReady> last_;
   RequestId number_ = 0;
 };
-
-double quantile(std::vector<double> values, double q) {
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(q * static_cast<double>(values.size() - 1))];
-}
 
 }  // namespace
 

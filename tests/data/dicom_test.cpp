@@ -73,10 +73,6 @@ std::string dicom(const Picture& of) {
 
 Picture slice(int k) { return {.uid = "1.2.3." + std::to_string(k + 1), .place = "0\\0\\" + std::to_string(2 * k), .instance = k + 1, .first = 100 * k}; }
 
-bool noted(const Dataset& data, const std::string& words) {
-  return std::any_of(data.notes.begin(), data.notes.end(), [&](const std::string& note) { return note.find(words) != std::string::npos; });
-}
-
 TEST(Dicom, FramesOfADoseLieAtTheirOffsetsAndAreScaled) {
   const Scratch scratch;
   for (const std::string offsets : {"0\\3\\6\\9", "10\\13\\16\\19"}) {
@@ -106,7 +102,7 @@ TEST(Dicom, ASliceThatIsThereTwiceCountsOnce) {
     const auto data = open(path);
     EXPECT_EQ(data->grid.dims(), (std::array<std::int64_t, 3>{kColumns, kRows, 4}));
     EXPECT_EQ(data->times.size(), 1u);
-    EXPECT_TRUE(noted(*data, "1 files are left out: they are copies of others"));
+    EXPECT_TRUE(test::noted(*data, "1 files are left out: they are copies of others"));
   }
   Picture other = slice(2);
   other.uid = "1.2.3.99";

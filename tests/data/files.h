@@ -50,6 +50,11 @@ inline std::string gzip(const std::string& in) {
   return out;
 }
 
+/// Whether one of the notes has these words.
+inline bool noted(const Dataset& data, const std::string& words) {
+  return std::any_of(data.notes.begin(), data.notes.end(), [&](const std::string& note) { return note.find(words) != std::string::npos; });
+}
+
 /// The Error that opening ends with; fails the test if it does not.
 inline Error refusal(const std::filesystem::path& file, const OpenOptions& options = {}) {
   try {

@@ -40,10 +40,6 @@ void expect_values(const PointArray& array, const std::vector<double>& expected)
   for (std::size_t p = 0; p < expected.size(); ++p) EXPECT_TRUE(std::isnan(expected[p]) ? std::isnan(array.at(p)) : array.at(p) == expected[p]) << p << ": " << array.at(p) << ", expected " << expected[p];
 }
 
-bool noted(const Dataset& data, const std::string& words) {
-  return std::any_of(data.notes.begin(), data.notes.end(), [&](const std::string& note) { return note.find(words) != std::string::npos; });
-}
-
 TEST(Fits, ValuesOfEveryTypeAreThoseOfTheFile) {
   const Scratch scratch;
   const auto read = [&](const Cards& cards, const std::string& bytes) { return open(scratch.write("a.fits", header(cards) + bytes)); };
@@ -79,7 +75,7 @@ TEST(Fits, AxesOfOnePointAreNoneStokesAreArraysAndTimesSteps) {
   expect_values(data->array("Stokes I"), {0, 1, 2, 3, 4, 5, 12, 13, 14, 15, 16, 17});
   expect_values(data->array("Stokes Q"), {6, 7, 8, 9, 10, 11, 18, 19, 20, 21, 22, 23});
   for (const char* array : {"Stokes I", "Stokes Q"}) EXPECT_EQ(data->array(array).unit, "Jy/beam");
-  EXPECT_TRUE(noted(*data, "RA---SIN in deg, DEC--SIN, FREQ in Hz"));
+  EXPECT_TRUE(test::noted(*data, "RA---SIN in deg, DEC--SIN, FREQ in Hz"));
   const Cards film{{"CTYPE4", "'TIME'"}, {"CRVAL4", "10"}, {"CDELT4", "2.5"}, {"CRPIX4", "1"}};
   const auto path = scratch.write("b.fits", header(image(16, {3, 2, 1, 2}, film)) + numbers<std::int16_t>(counted(12)));
   EXPECT_EQ(open(path)->times, (std::vector<double>{10, 12.5}));
@@ -92,7 +88,7 @@ TEST(Fits, StraightAxesOfOneUnitArePlaces) {
   const auto data = open(scratch.write("a.fits", header(image(-64, {4, 3, 2}, places)) + numbers<double>(counted(24))));
   EXPECT_EQ(data->bounds.lower, (Vec3d{9, 0.5, 0}));
   EXPECT_EQ(data->bounds.upper, (Vec3d{10.5, 1, 2}));
-  EXPECT_TRUE(noted(*data, "unit of length: kpc"));
+  EXPECT_TRUE(test::noted(*data, "unit of length: kpc"));
   int found = 0;
   for (std::int64_t p = 0; p < 24; ++p) {
     if (data->grid.point(p) != Vec3d{9, 0.5, 0}) continue;

@@ -82,10 +82,6 @@ void expect_pages(const Dataset& data, const std::string& array, const std::vect
         EXPECT_EQ(values.at(z * kColumns * kRows + static_cast<std::size_t>(y) * kColumns + static_cast<std::size_t>(x)), 1000 * pages[z] + x + 10 * y - less) << array << ' ' << x << ' ' << y << ' ' << z;
 }
 
-bool noted(const Dataset& data, const std::string& words) {
-  return std::any_of(data.notes.begin(), data.notes.end(), [&](const std::string& note) { return note.find(words) != std::string::npos; });
-}
-
 Vec3d spacing(const Dataset& data) { return std::get<UniformGrid>(data.grid.shape).spacing; }
 
 const std::string kImageJ = "ImageJ=1.53t\nimages=12\nchannels=2\nslices=3\nframes=2\nhyperstack=true\nmode=composite\nunit=\\u00B5m\nspacing=0.75\nfinterval=5\nloop=false\n";
@@ -103,8 +99,8 @@ TEST(TiffStacks, ImageJsChannelsAreArraysItsFramesStepsItsSpacingPlaces) {
         expect_pages(*data, "channel 0", {6 * step, 6 * step + 2, 6 * step + 4});
         expect_pages(*data, "channel 1", {6 * step + 1, 6 * step + 3, 6 * step + 5});
         EXPECT_EQ(spacing(*data), (Vec3d{0.25, 0.5, 0.75}));
-        EXPECT_TRUE(noted(*data, "unit of length: µm"));
-        EXPECT_TRUE(noted(*data, "times are in sec"));
+        EXPECT_TRUE(test::noted(*data, "unit of length: µm"));
+        EXPECT_TRUE(test::noted(*data, "times are in sec"));
       }
     }
 }
@@ -118,7 +114,7 @@ TEST(TiffStacks, AStackOfImageJHasItsSpacingAndSignedNumbersAreThose) {
   EXPECT_EQ(spacing(*data), (Vec3d{0.25, 0.5, 2.5}));
   const auto plain = open(scratch.write("c.tif", tiff({.description = "ImageJ=1.53t\nimages=3\nslices=3\nc0=4\nc1=0.5\n", .pages = 3})));
   expect_pages(*plain, "Tiff Scalars", {0, 1, 2});
-  EXPECT_TRUE(noted(*plain, "calibration is 4 + 0.5 * value"));
+  EXPECT_TRUE(test::noted(*plain, "calibration is 4 + 0.5 * value"));
 }
 
 std::string ome(const std::string& order, const std::string& more, const std::string& inside) {
@@ -144,7 +140,7 @@ TEST(TiffStacks, OmesPagesAreInTheOrderThatItSays) {
       EXPECT_NEAR(spacing(*data).x, 0.2, 1e-12);
       EXPECT_NEAR(spacing(*data).y, 0.4, 1e-12);
       EXPECT_NEAR(spacing(*data).z, 1.5, 1e-12);
-      EXPECT_TRUE(noted(*data, "unit of length: µm"));
+      EXPECT_TRUE(test::noted(*data, "unit of length: µm"));
     }
   }
 }
@@ -161,7 +157,7 @@ TEST(TiffStacks, OmesPlanesMayNameTheirPages) {
   const std::string two = "<TiffData IFD=\"0\" PlaneCount=\"6\"><UUID FileName=\"a.tif\">1</UUID></TiffData><TiffData IFD=\"0\" FirstT=\"1\" PlaneCount=\"6\"><UUID FileName=\"b.tif\">2</UUID></TiffData>";
   const auto one_of_two = open(scratch.write("a.tif", tiff({.description = ome("XYCZT", "", two), .pages = 6})));
   expect_pages(*one_of_two, "Tiff Scalars", {0, 1, 2, 3, 4, 5});
-  EXPECT_TRUE(noted(*one_of_two, "one of the 2 files of an OME-TIFF"));
+  EXPECT_TRUE(test::noted(*one_of_two, "one of the 2 files of an OME-TIFF"));
 }
 
 TEST(TiffStacks, ADescriptionThatIsNotOfThePagesIsToldAndThePagesAreSlices) {
@@ -178,7 +174,7 @@ TEST(TiffStacks, ADescriptionThatIsNotOfThePagesIsToldAndThePagesAreSlices) {
     const Scratch scratch;
     const auto data = open(scratch.write("d.tif", tiff({.description = description, .pages = 4})));
     expect_pages(*data, "Tiff Scalars", {0, 1, 2, 3});
-    EXPECT_TRUE(noted(*data, words)) << (data->notes.empty() ? "" : data->notes.back());
+    EXPECT_TRUE(test::noted(*data, words)) << (data->notes.empty() ? "" : data->notes.back());
   }
   const Scratch scratch;
   for (const std::string other : {"", "A thing that was scanned", "<OME", "<OME>", R"({"shape": [4, 2, 3]})"}) {

@@ -5,6 +5,8 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
+#include <limits>
 #include <memory>
 #include <numeric>
 #include <random>
@@ -15,6 +17,9 @@
 #include "extraction/intervals/extract_intervals.h"
 
 namespace isostrata {
+
+inline constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+inline constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();  // of bytes
 
 /// An array over a copy of the values.
 template <class T>

@@ -25,12 +25,6 @@ namespace json = boost::json;
 
 json::value extracted(const std::filesystem::path& file, const std::string& arguments) { return json_of("extract '" + file.string() + "' " + arguments); }
 
-double signed_volume(const json::value& document) {
-  double sum = 0;
-  for (const auto& interval : document.at("intervals").as_array()) sum += number(interval.at("signed_volume"));
-  return sum;
-}
-
 /// Exit 0, nothing unmatched, this volume.
 void expect_volume(const std::filesystem::path& file, const std::string& arguments, double volume) {
   const json::value document = extracted(file, arguments);

@@ -18,15 +18,6 @@ using namespace isostrata::testing;
 using ::testing::HasSubstr;
 namespace json = boost::json;
 
-json::value extract_json(const std::string& arguments) { return json_of("extract " + arguments); }
-
-
-double signed_volume(const json::value& document) {
-  double sum = 0;
-  for (const auto& interval : document.at("intervals").as_array()) sum += number(interval.at("signed_volume"));
-  return sum;
-}
-
 TEST(ExtractCommand, PrintsWhatItExtracted) {
   const json::value document = extract_json("torus:24 --array distance --interval 0.1:0.2 --interval 0.2:0.4 --threads 1");
   ASSERT_TRUE(document.is_object());

@@ -16,8 +16,6 @@ using namespace isostrata::testing;
 using ::testing::HasSubstr;
 namespace json = boost::json;
 
-json::value extract_json(const std::string& arguments) { return json_of("extract " + arguments); }
-
 double volume(const json::value& document) { return number(document.at("intervals").at(0).at("signed_volume")); }
 
 TEST(ExtractAtTime, SaysWhichStepsAndWhichModeWereUsed) {

@@ -5,7 +5,7 @@
 namespace isostrata {
 namespace {
 
-const std::string kBearer = std::string("Authorization: Bearer ") + RunningServer::kToken + "\r\n";
+const std::string& kBearer = RunningServer::kBearer;
 const std::string kEnd = "Connection: close\r\n\r\n";
 
 class Http : public ::testing::Test {

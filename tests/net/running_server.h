@@ -18,6 +18,7 @@ namespace isostrata {
 class RunningServer {
  public:
   static constexpr const char* kToken = "0123456789abcdef0123456789abcdef0123456789abcdef";
+  static inline const std::string kBearer = std::string("Authorization: Bearer ") + kToken + "\r\n";
 
   explicit RunningServer(ServerOptions options = {}) {
     options.port = 0;

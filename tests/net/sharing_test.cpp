@@ -5,6 +5,7 @@
 #include <boost/json/value.hpp>
 #include <fstream>
 
+#include "net/answers.h"
 #include "net/running_server.h"
 
 namespace isostrata {
@@ -19,8 +20,6 @@ v1::ClientMessage side(const std::string& view) {
   message.mutable_set_view()->set_view(view);
   return message;
 }
-
-json::value body_of(const std::string& response) { return json::parse(response.substr(response.find("\r\n\r\n") + 4)); }
 
 std::string code_of(const std::function<void()>& act) {
   try {

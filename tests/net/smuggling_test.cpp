@@ -13,7 +13,7 @@
 namespace isostrata {
 namespace {
 
-const std::string kBearer = std::string("Authorization: Bearer ") + RunningServer::kToken + "\r\n";
+const std::string& kBearer = RunningServer::kBearer;
 const std::string kSecond =
     std::string("GET /api/v1/sessions HTTP/1.1\r\nHost: localhost\r\n") + kBearer + "Connection: close\r\n\r\n";
 

@@ -11,6 +11,7 @@
 #include <tuple>
 
 #include "base/utf8.h"
+#include "net/answers.h"
 #include "net/running_server.h"
 #include "support/places.h"
 
@@ -19,8 +20,6 @@ namespace {
 
 namespace json = boost::json;
 using client::Client;
-
-json::value body_of(const std::string& response) { return json::parse(response.substr(response.find("\r\n\r\n") + 4)); }
 
 /// The places of a server with this many sessions, as many as there are.
 constexpr std::size_t kPlaces = 256 + 2 * 32;

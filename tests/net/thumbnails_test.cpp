@@ -10,6 +10,7 @@
 #include <map>
 #include <thread>
 
+#include "net/answers.h"
 #include "net/running_server.h"
 
 namespace isostrata {
@@ -31,14 +32,6 @@ std::string field(double at) {
   return text;
 }
 
-std::string header_of(const std::string& response, const std::string& name) {
-  const auto at = response.find("\r\n" + name + ": ");
-  if (at == std::string::npos) return {};
-  const auto begin = at + name.size() + 4;
-  return response.substr(begin, response.find('\r', begin) - begin);
-}
-std::string body_of(const std::string& response) { return response.substr(response.find("\r\n\r\n") + 4); }
-
 class Thumbnails : public ::testing::Test {
  protected:
   void begin() {
@@ -58,7 +51,7 @@ class Thumbnails : public ::testing::Test {
   /// Those that are listed now, with what is said of them.
   std::map<std::string, json::value> names() {
     std::map<std::string, json::value> entries;
-    const json::value listed = json::parse(body_of(server_->ask("GET", "/api/v1/datasets")));
+    const json::value listed = json::parse(text_of(server_->ask("GET", "/api/v1/datasets")));
     for (const json::value& entry : listed.at("datasets").as_array()) {
       const std::string name(entry.at("name").as_string());
       ids_[name] = std::string(entry.at("id").as_string());
@@ -78,7 +71,7 @@ class Thumbnails : public ::testing::Test {
     const std::string response = ask(name);
     EXPECT_EQ(status_of(response), 200) << name << ": " << response.substr(0, 600);
     EXPECT_EQ(header_of(response, "Content-Type"), "image/png");
-    const std::string body = body_of(response);
+    const std::string body = text_of(response);
     EXPECT_TRUE(body.starts_with("\x89PNG\r\n\x1a\n")) << name;
     EXPECT_GT(body.size(), 1000u) << name << ": a picture of one colour is smaller";
     return body;
@@ -165,7 +158,7 @@ TEST_F(Thumbnails, NeedATokenAndOneOfAnInvitationSuffices) {
   const std::string made = server_->ask("POST", "/api/v1/sessions/" + controller.welcome().session() + "/invitations",
                                         R"({"role":"ROLE_VIEWER","seconds":600,"name":"for a test"})");
   ASSERT_EQ(status_of(made), 201) << made;
-  const std::string token(json::parse(body_of(made)).at("token").as_string());
+  const std::string token(json::parse(text_of(made)).at("token").as_string());
   const auto as_guest = [&](const std::string& path) {
     return server_->raw("GET " + path + "?token=" + token + " HTTP/1.1\r\nHost: localhost\r\nConnection: close\r\n\r\n");
   };

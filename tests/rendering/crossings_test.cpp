@@ -18,8 +18,6 @@ namespace {
 
 using namespace testing;
 
-constexpr double kHalfStep = 1.0 / 510;  // of 8 bits
-
 Renderer& native() {
   static const std::unique_ptr<Renderer> renderer = make_native_renderer();
   return *renderer;

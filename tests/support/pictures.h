@@ -11,6 +11,8 @@
 
 namespace isostrata::testing {
 
+inline constexpr double kHalfStep = 1.0 / 510;  // of 8 bits
+
 /// One renderer for all tests of a thread.
 inline Renderer& test_renderer() {
   static const std::unique_ptr<Renderer> renderer = make_renderer({"raster", test_device()});

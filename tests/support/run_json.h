@@ -19,4 +19,13 @@ inline boost::json::value json_of(const std::string& arguments, const std::strin
 
 inline double number(const boost::json::value& value) { return value.to_number<double>(); }
 
+inline boost::json::value extract_json(const std::string& arguments) { return json_of("extract " + arguments); }
+
+/// Of all intervals that `extract` tells.
+inline double signed_volume(const boost::json::value& document) {
+  double sum = 0;
+  for (const auto& interval : document.at("intervals").as_array()) sum += number(interval.at("signed_volume"));
+  return sum;
+}
+
 }  // namespace isostrata::testing

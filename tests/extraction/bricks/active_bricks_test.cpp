@@ -14,8 +14,6 @@
 namespace isostrata {
 namespace {
 
-constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
-
 /// A field of hills, with a little noise, in which an end may lie on a value.
 std::vector<float> hills(const std::array<std::int64_t, 3>& dims, std::mt19937_64& random) {
   const auto phase = random_values(3, 0, 6, random);

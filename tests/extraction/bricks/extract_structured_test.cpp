@@ -13,7 +13,6 @@
 namespace isostrata {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 ExtractOptions with_facets() {

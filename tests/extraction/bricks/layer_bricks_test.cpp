@@ -13,8 +13,6 @@
 namespace isostrata {
 namespace {
 
-constexpr std::uint64_t kNoLimit = std::numeric_limits<std::uint64_t>::max();
-
 std::shared_ptr<const Dataset> dataset_of(Grid grid, PointArray array) {
   auto dataset = std::make_shared<Dataset>();
   measure_range(array);

@@ -13,7 +13,6 @@
 namespace isostrata {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 constexpr RangeOperator kAnd = RangeOperator::intersect, kOr = RangeOperator::unite, kMinus = RangeOperator::subtract,
                         kXor = RangeOperator::exclusive_or;
 constexpr std::array kOperators{kAnd, kOr, kMinus, kXor};

@@ -15,8 +15,6 @@
 namespace isostrata {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 std::shared_ptr<const Dataset> analytic(std::string_view name) {
   const Task task;
   return make_analytic(name, {}, task);

@@ -14,8 +14,6 @@
 namespace isostrata {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 SpaceTimeVolume space_time(const Series& series, const std::vector<Interval>& intervals) {
   const Task task;
   return SpaceTimeVolume(series.steps[0], series.steps[1], "f", intervals, 1ull << 32, task);

@@ -14,7 +14,6 @@ namespace isostrata {
 namespace {
 
 using ::testing::HasSubstr;
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
 StepSource source_of(const Series& series) {
   return [series](int step, const Task&) {

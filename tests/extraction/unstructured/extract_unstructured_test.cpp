@@ -12,8 +12,6 @@
 namespace isostrata {
 namespace {
 
-constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
-
 IntervalMesh extract_fast(const Grid& grid, const PointArray& array, const std::vector<Interval>& intervals) {
   const Task task;
   ExtractOptions options;

@@ -4,14 +4,13 @@
 #include <boost/json/parse.hpp>
 #include <thread>
 
+#include "net/answers.h"
 #include "net/running_server.h"
 
 namespace isostrata {
 namespace {
 
 namespace json = boost::json;
-
-std::string text_of(const std::string& response) { return response.substr(response.find("\r\n\r\n") + 4); }
 
 class RestOperations : public ::testing::Test {
  protected:

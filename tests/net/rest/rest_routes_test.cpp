@@ -4,6 +4,7 @@
 #include <boost/json/parse.hpp>
 #include <set>
 
+#include "net/answers.h"
 #include "net/http/problem.h"
 #include "net/rest/rest_api.h"
 #include "net/running_server.h"
@@ -12,23 +13,6 @@ namespace isostrata {
 namespace {
 
 namespace json = boost::json;
-
-std::string text_of(const std::string& response) {
-  const auto at = response.find("\r\n\r\n");
-  return at == std::string::npos ? "" : response.substr(at + 4);
-}
-json::value body_of(const std::string& response) {
-  boost::system::error_code error;
-  json::value value = json::parse(text_of(response), error);
-  EXPECT_FALSE(error) << response;
-  return value;
-}
-std::string header_of(const std::string& response, const std::string& name) {
-  const auto at = response.find("\r\n" + name + ": ");
-  if (at == std::string::npos) return {};
-  const auto begin = at + name.size() + 4;
-  return response.substr(begin, response.find('\r', begin) - begin);
-}
 
 /// "GET /sessions/{session}" of every route of the router.
 std::set<std::string> router_routes() {

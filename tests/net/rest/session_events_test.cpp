@@ -4,6 +4,7 @@
 #include <boost/json/parse.hpp>
 #include <boost/json/serialize.hpp>
 
+#include "net/answers.h"
 #include "net/rest/session_events.h"
 #include "net/running_server.h"
 
@@ -11,8 +12,6 @@ namespace isostrata {
 namespace {
 
 namespace json = boost::json;
-
-std::string text_of(const std::string& response) { return response.substr(response.find("\r\n\r\n") + 4); }
 
 /// One who listens, event by event.
 class Listening {

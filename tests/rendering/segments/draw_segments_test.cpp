@@ -12,8 +12,6 @@
 namespace isostrata::testing {
 namespace {
 
-constexpr double kHalfStep = 1.0 / 510;  // of 8 bits
-
 FloatImage draw_segments(DrawInput input) {
   input.float_image = true;
   TileSink sink(input);
