@@ -451,6 +451,14 @@ def named_ensight():
     for name in ("uneven.case", "uneven_dos.case"):
         expect(name, "unstructured", 2 * NX * NY * NZ - NY * NZ, 2 * (NX - 1) * (NY - 1) * (NZ - 1), {"f": [1000, 1350, 0]},
                [0, 10, 0, NY - 1, 0, NZ - 1], [10, 3, 2, "f", 1240], [1, 2, 4], 2)
+    times = [i / 4 for i in range(80)]
+    for step in range(len(times)):
+        os.link("f7.scl", f"long{step:02d}.scl")
+    with open("long_line.case", "w") as out:
+        out.write("FORMAT\ntype: ensight gold\nGEOMETRY\nmodel: box.geo\nVARIABLE\nscalar per node: 1 f long**.scl\nTIME\ntime set: 1\nnumber of steps: 80\n"
+                  "filename start number: 0\nfilename increment: 1\ntime values: " + " ".join(map(str, times)) + "\n")
+    expect("long_line.case", "unstructured", 2 * NX * NY * NZ - NY * NZ, 2 * (NX - 1) * (NY - 1) * (NZ - 1), {"f": [0, 350, 0]},
+           [0, 10, 0, NY - 1, 0, NZ - 1], [10, 3, 2, "f", 240], times, 79)
     with open("numbers.txt", "w") as out:
         out.write("7\n12\n")
     with open("the times.txt", "w") as out:

@@ -108,27 +108,35 @@ std::vector<std::string> numbers_of(const std::string& file, const ReadRequest& 
   return out;
 }
 
-/// "time values file: FILE" as "time values:" with these, "filename numbers file: FILE" and "filename numbers:" as file_numbers has them; `lines` goes on behind what was taken.
+std::string time_values(const std::vector<std::string>& words) {
+  std::string out = "time values:\n";
+  for (const std::string& word : words) out += word + "\n";
+  return out;
+}
+
+/// The numbers at the end of a line and on those that follow, up to where `lines` then is.
+std::vector<std::string> numbers_on(const std::string& line, std::istream& lines) {
+  std::istringstream words(line);
+  std::vector<std::string> out{std::istream_iterator<std::string>(words), {}};
+  const auto begins_number = [](int c) { return std::isdigit(c) || c == '-' || c == '+' || c == '.'; };
+  while (lines >> std::ws && begins_number(lines.peek())) lines >> out.emplace_back();
+  lines.clear();
+  return out;
+}
+
+/// The numbers of a time set, or those of the file that is named for them, as file_numbers and time_values have them.
 std::optional<std::string> with_numbers(const std::string& line, std::istream& lines, const ReadRequest& request) {
   const auto named = [](const std::string& text) {
     std::string file;
     std::istringstream(text) >> std::quoted(file);
     return file;
   };
-  if (const auto text = behind(line, "time values file:")) {
-    std::string out = "time values:\n";
-    for (const std::string& word : numbers_of(named(*text), request)) out += word + "\n";
-    return out;
-  }
   const std::string name = request.file.filename().string();
+  if (const auto text = behind(line, "time values file:")) return time_values(numbers_of(named(*text), request));
+  if (const auto text = behind(line, "time values:")) return time_values(numbers_on(*text, lines));
   if (const auto text = behind(line, "filename numbers file:")) return file_numbers(numbers_of(named(*text), request), name);
-  const auto text = behind(line, "filename numbers:");
-  if (!text) return std::nullopt;
-  std::istringstream words(*text);
-  std::vector<std::string> numbers{std::istream_iterator<std::string>(words), {}};
-  while (lines >> std::ws && std::isdigit(lines.peek())) lines >> numbers.emplace_back();
-  lines.clear();
-  return file_numbers(numbers, name);
+  if (const auto text = behind(line, "filename numbers:")) return file_numbers(numbers_on(*text, lines), name);
+  return std::nullopt;
 }
 
 bool is_case(const fs::path& file) {
@@ -162,7 +170,7 @@ fs::path case_for_reader(const ReadRequest& request) {
   const std::string name = request.file.filename().string();
   std::ifstream in(request.file);
   const std::string text{std::istreambuf_iterator<char>(in), {}};
-  if (text.find('"') == std::string::npos && text.find(" file:") == std::string::npos && text.find("filename numbers:") == std::string::npos) return request.file;
+  if (text.find('"') == std::string::npos && text.find("TIME") == std::string::npos) return request.file;
   std::istringstream lines(text);
   std::string copy;
   for (std::string one; std::getline(lines, one);) {
