@@ -210,8 +210,9 @@ void expect_same(const Dataset& opened, vtkDataSet* written, bool with_units = t
     for (std::size_t p = 0; p < points; ++p)
       ASSERT_NEAR(array.at(p), mean(written->GetCellData()->GetArray(name.c_str()), p, 0), 1e-5) << name << " at " << p;
   }
-  if (with_units)
+  if (with_units) {
     for (const char* name : {"f32", "vector", "vector_y", "in cells f64", "f64"}) EXPECT_EQ(opened.array(name).unit, name != std::string("f64") ? kUnit : "") << name;
+  }
   expect_vector("in cells vector", 3, [&](std::size_t p, int c) {
     return mean(written->GetCellData()->GetArray("in cells vector"), p, c);
   });
