@@ -126,7 +126,7 @@ void print_text(const Dataset& dataset, const SeriesRanges& ranges, const std::v
   for (std::size_t i = 0; i < dataset.arrays.size(); ++i) {
     const PointArray& array = dataset.arrays[i];
     const ValueRange all = ranges.arrays()[i].all, here{array.lower, array.upper};
-    std::printf("    %-28s %-8s", array.name.c_str(), to_string(array.type));
+    std::printf("    %-28s %-8s", name_with_unit(array.name, array.unit).c_str(), to_string(array.type));
     if (all.empty())
       std::printf(" no finite value");
     else

@@ -102,6 +102,13 @@ TEST(InfoCommand, DescribesAFile) {
     EXPECT_EQ(std::count(names.begin(), names.end(), name), 1) << name;
 }
 
+TEST(InfoCommand, SaysUnits) {
+  const isostrata::testing::TemporaryFolder folder;
+  const std::string file = folder.write("heat.nrrd", "NRRD0004\ntype: uint8\ndimension: 3\nsizes: 2 2 2\nencoding: raw\nsample units: K\n\nabcdefgh").string();
+  EXPECT_NE(info("'" + file + "'").out.find("scalars (K) "), std::string::npos);
+  EXPECT_EQ(json::parse(info("--json '" + file + "'").out).at("arrays").at(0).at("unit").as_string(), "K");
+}
+
 TEST(InfoCommand, FollowsALinkThatIsNamedWithADot) {
   namespace fs = std::filesystem;
   const isostrata::testing::TemporaryFolder folder;
