@@ -119,7 +119,8 @@ TEST_F(ForeignFormats, NetcdfAndHdf5ThatAreRefusedSayWhy) {
   for (const auto& [name, code, what] : {std::tuple{"mesh.nc", ErrorCode::unsupported, "UGRID"}, {"no_time.nc", ErrorCode::bad_data, "time 1 of 'time' is not a finite number"},
                                          {"atoms.nc", ErrorCode::unsupported, "particles (AMBER)"}, {"no_steps.nc", ErrorCode::bad_data, "'time' has length 0"}, {"no_steps_nor_times.nc", ErrorCode::bad_data, "'time' has length 0"},
                                          {"lists.h5", ErrorCode::unsupported, "lists of points or cells ('Mesh/topology', 2000 x 4)"}, {"only_empty.h5", ErrorCode::unsupported, "without an array of two or three axes of numbers (the largest, 'a', has 0 x 4 x 5)"},
-                                         {"members.nc", ErrorCode::unsupported, "take one place along each of the others ('ncks -d AXIS,0 IN OUT')"}, {"no_size.ims", ErrorCode::bad_data, "ImageSizeX '' of its first channel"}, {"packed.h5", ErrorCode::unsupported, "packed by filter 32000 (lzf)"}}) {
+                                         {"members.nc", ErrorCode::unsupported, "take one place along each of the others ('ncks -d AXIS,0 IN OUT')"}, {"no_size.ims", ErrorCode::bad_data, "ImageSizeX '' of its first channel"}, {"packed.h5", ErrorCode::unsupported, "packed by filter 32000 (lzf)"},
+                                         {"no_corners.nc", ErrorCode::unsupported, "say no corners (bounds of 'lon'); put it on longitudes and latitudes: cdo remapnn"}}) {
     const Error error = test::refusal(file(name));
     EXPECT_EQ(error.code(), code) << error.what();
     EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();

@@ -316,8 +316,57 @@ def members(field):
         d.createVariable("T", "f4", ("member", "time", "z", "y", "x"))[:] = np.broadcast_to(field, (3, 2, *field.shape))
 
 
+def cells_on_the_globe(expect):
+    """Triangles in layers, by radians, with steps, as of ICON; quadrilaterals, as CDO makes them, across the date line; hexagons; and such without corners."""
+    def write(name, outlines, unit, coordinates, levels=None, bounds=True):
+        with netCDF4.Dataset(name, "w") as d:
+            outlines = np.array(outlines, float) * (np.pi / 180 if unit == "radian" else 1)
+            d.createDimension("ncells", len(outlines))
+            d.createDimension("vertices", outlines.shape[1])
+            for axis, (called, standard) in enumerate(zip(coordinates, ("longitude", "latitude"))):
+                v = d.createVariable(called, "f8", ("ncells",))
+                v.standard_name, v.units = standard, unit
+                v[:] = outlines[:, :, axis].mean(1)
+                if bounds:
+                    v.bounds = called + "_bounds"
+                    d.createVariable(called + "_bounds", "f8", ("ncells", "vertices"))[:] = outlines[:, :, axis]
+            d.createDimension("time", None)
+            t = d.createVariable("time", "f8", ("time",))
+            t.units = "days since 2000-01-01"
+            t[:] = [0.5, 1.5]
+            axes = ("time", "ncells")
+            if levels:
+                d.createDimension("height", len(levels))
+                z = d.createVariable("height", "f8", ("height",))
+                z.units, z.positive, z.axis = "m", "up", "Z"
+                z[:] = levels
+                axes = ("time", "height", "ncells")
+                d.createVariable("ground", "f4", ("ncells",)).coordinates = " ".join(reversed(coordinates))
+            v = d.createVariable("v", "f4", axes, fill_value=-99)
+            v.units, v.CDI_grid_type, v.coordinates = "K", "unstructured", " ".join(reversed(coordinates))
+            cell = np.arange(len(outlines))
+            first = np.stack([cell * 0 + 100 * k for k in range(len(levels))]) if levels else cell % 5 + 10 * (cell // 5)
+            v[:] = np.stack([first, first + 1000])
+
+    squares = [[(x, y), (x + 1, y), (x + 1, y + 1), (x, y + 1)] for y in range(4) for x in range(5)]
+    write("prisms.nc", [corners for a, b, c, d in squares for corners in ((a, b, c), (a, c, d))], "radian", ("clon", "clat"), [0, 10, 30])
+    write("quads.nc", squares, "degrees", ("lon", "lat"))
+    write("downward.nc", [corners for a, b, c, d in squares for corners in ((a, b, c), (a, c, d))], "radian", ("clon", "clat"), [30, 10, 0])
+    expect("downward.nc", "unstructured", 120, 120, {"v": [0, 200, 0]}, [0, 5, 0, 4, -5, 40], [2, 3, 5, "v", 150], [0.5, 1.5])
+    for step in range(2):
+        expect("prisms.nc", "unstructured", 120, 120, {"v": [1000 * step, 1000 * step + 200, 0]}, [0, 5, 0, 4, -5, 40], [2, 3, 5, "v", 1000 * step + 50], [0.5, 1.5], step)
+        expect("quads.nc", "unstructured", 30, 20, {"v": [1000 * step, 1000 * step + 34, 0]}, [0, 5, 0, 4, 0, 0], [1, 1, 0, "v", 1000 * step + 5.5], [0.5, 1.5], step)
+    # A cell lies on the side of the date line that its first corner is on.
+    write("date_line.nc", [[((x + 178 + 180) % 360 - 180, y) for x, y in corners] for corners in squares], "degrees", ("lon", "lat"))
+    expect("date_line.nc", "unstructured", 35, 20, {"v": [0, 34, 0]}, [-180, 180, 0, 4, 0, 0], [-179, 1, 0, "v", 7.5], [0.5, 1.5])
+    write("hexagon.nc", [[(2, 0), (1, 2), (-1, 2), (-2, 0), (-1, -2), (1, -2)]], "degrees", ("lon", "lat"), [0, 2])
+    expect("hexagon.nc", "unstructured", 20, 28, {"v": [0, 100, 0]}, [-2, 2, -2, 2, -1, 3], [1, 2, 1, "v", 50], [0.5, 1.5])
+    write("no_corners.nc", squares, "degrees", ("lon", "lat"), bounds=False)
+
+
 def write(field, lattice, expect):
     members(field)
+    cells_on_the_globe(expect)
     odd_places(field, lattice)
     curves(field, expect)
     groups(field, lattice)

@@ -27,6 +27,7 @@
 #include "import/imported/vtk_messages.h"
 #include "import/netcdf/check_netcdf.h"
 #include "import/netcdf/netcdf_axes.h"
+#include "import/netcdf/netcdf_cells.h"
 #include "import/netcdf/netcdf_file.h"
 #include "import/netcdf/netcdf_placed.h"
 #include "import/netcdf/netcdf_values.h"
@@ -225,6 +226,7 @@ Imported read_netcdf(const ReadRequest& request) {
 #endif
   refuse_mesh(file, name);
   refuse_particles(file, name);
+  if (auto cells = read_netcdf_cells(file, request)) return std::move(*cells);
   std::vector<int> placed = file.dimensions();
   std::erase_if(placed, [&](int dimension) { return !file.coordinate(dimension); });
   refuse_empty(file, placed, name);

@@ -1,0 +1,193 @@
+#include <vtkCellData.h>
+#include <vtkCellType.h>
+#include <vtkDataArray.h>
+#include <vtkDoubleArray.h>
+#include <vtkIdList.h>
+#include <vtkInformation.h>
+#include <vtkInformationStringKey.h>
+#include <vtkNew.h>
+#include <vtkPoints.h>
+#include <vtkUnstructuredGrid.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <cstdint>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "import/netcdf/cf_axes.h"
+#include "import/netcdf/netcdf_axes.h"
+#include "import/netcdf/netcdf_cells.h"
+#include "import/netcdf/netcdf_placed.h"
+#include "import/netcdf/netcdf_values.h"
+#include "import/vtk/set_cells.h"
+#include "import/vtk/vtk_blocks.h"
+
+namespace isostrata {
+namespace {
+
+/// A variable over cells: its last axis.
+struct OverCells {
+  int variable = 0, longitude = 0, latitude = 0, cells = 0;
+  std::optional<int> time, level;
+};
+
+std::optional<OverCells> over_cells(const NetcdfFile& file, int variable) {
+  const std::vector<int> dimensions = file.dimensions(variable);
+  if (!file.type(variable) || dimensions.empty() || dimensions.size() > 3) return std::nullopt;
+  OverCells out{.variable = variable, .longitude = -1, .latitude = -1, .cells = dimensions.back()};
+  std::istringstream names(file.text(variable, "coordinates"));
+  for (std::string name; names >> name;) {
+    const auto of = file.variable(name);
+    if (!of || file.dimensions(*of) != std::vector{out.cells}) continue;
+    if (file.text(*of, "standard_name") == "longitude") out.longitude = *of;
+    if (file.text(*of, "standard_name") == "latitude") out.latitude = *of;
+  }
+  if (out.longitude < 0 || out.latitude < 0) return std::nullopt;
+  for (const int dimension : std::vector(dimensions.begin(), dimensions.end() - 1))
+    if (!out.time && is_netcdf_time(file, dimension))
+      out.time = dimension;
+    else if (!out.level)
+      out.level = dimension;
+    else
+      return std::nullopt;
+  return out;
+}
+
+/// [cells][corners], in degrees; empty if there are none.
+std::vector<double> corners_along(const NetcdfFile& file, int coordinate, std::size_t cells) {
+  const auto bounds = file.variable(file.text(coordinate, "bounds"));
+  if (!bounds || file.dimensions(*bounds).size() != 2 || file.length(file.dimensions(*bounds).front()) != cells) return {};
+  std::vector<double> out = NetcdfVariable{file, *bounds}.values();
+  const bool radians = file.text(coordinate, "units").starts_with("rad");
+  for (double& x : out) x *= radians ? 180 / std::numbers::pi : 1;
+  return out;
+}
+
+/// Around each cell, and where these points are. Corners are one point if they are less than a millionth of a degree apart.
+struct Outlines {
+  std::vector<std::vector<std::int64_t>> of_cells;
+  std::vector<std::array<double, 2>> points;
+};
+
+Outlines outlines(const std::vector<double>& longitudes, const std::vector<double>& latitudes, std::size_t cells) {
+  Outlines out;
+  const std::size_t corners = longitudes.size() / cells;
+  std::map<std::pair<std::int64_t, std::int64_t>, std::int64_t> known;
+  for (std::size_t c = 0; c < cells; ++c) {
+    std::vector<std::int64_t>& around = out.of_cells.emplace_back();
+    for (std::size_t v = c * corners; v < (c + 1) * corners; ++v) {
+      if (!std::isfinite(longitudes[v]) || !(std::abs(longitudes[v]) < 1e6) || !(std::abs(latitudes[v]) < 1e6)) continue;
+      const double first = longitudes[c * corners], longitude = longitudes[v] - 360 * std::round((longitudes[v] - first) / 360);  // on the first one's side of the date line
+      const auto [at, fresh] = known.try_emplace({std::llround(1e6 * longitude), std::llround(1e6 * latitudes[v])}, std::ssize(out.points));
+      if (fresh) out.points.push_back({longitude, latitudes[v]});
+      if (std::find(around.begin(), around.end(), at->second) == around.end()) around.push_back(at->second);
+    }
+  }
+  return out;
+}
+
+/// The ends of each level: the middles between two of them, and as far beyond the first and the last. Of one level, that.
+std::vector<double> ends_of(const std::vector<double>& levels) {
+  if (levels.size() < 2) return levels;
+  std::vector<double> out{levels[0] - (levels[1] - levels[0]) / 2};
+  for (std::size_t k = 1; k < levels.size(); ++k) out.push_back((levels[k - 1] + levels[k]) / 2);
+  out.push_back(levels.back() + (levels.back() - levels[levels.size() - 2]) / 2);
+  return out;
+}
+
+int type_of(std::size_t corners, bool flat) {
+  if (flat) return corners == 3 ? VTK_TRIANGLE : corners == 4 ? VTK_QUAD : VTK_POLYGON;
+  static constexpr std::array kPrisms{VTK_WEDGE, VTK_HEXAHEDRON, VTK_PENTAGONAL_PRISM, VTK_HEXAGONAL_PRISM};
+  return corners <= 6 ? kPrisms[corners - 3] : VTK_EMPTY_CELL;
+}
+
+}  // namespace
+
+std::optional<Imported> read_netcdf_cells(const NetcdfFile& file, const ReadRequest& request) {
+  const std::string name = request.file.filename().string();
+  std::vector<OverCells> all;
+  for (int variable = 0; variable < file.variables(); ++variable)
+    if (const auto one = over_cells(file, variable)) all.push_back(*one);
+  if (all.empty()) return std::nullopt;
+  const auto levels_of = [&](const OverCells& of) { return of.level ? file.length(*of.level) : 1; };
+  const OverCells first = *std::max_element(all.begin(), all.end(), [&](const OverCells& a, const OverCells& b) { return levels_of(a) < levels_of(b); });
+  const std::size_t cells = file.length(first.cells), levels = levels_of(first);
+  const std::vector<double> longitudes = corners_along(file, first.longitude, cells), latitudes = corners_along(file, first.latitude, cells);
+  if (longitudes.empty() || longitudes.size() != latitudes.size()) {
+    if (file.text(first.variable, "CDI_grid_type") != "unstructured") return std::nullopt;
+    throw Error(ErrorCode::unsupported, name + ": the cells of '" + file.name(first.variable) + "' say no corners (bounds of '" + file.name(first.longitude) + "'); put it on longitudes and latitudes: cdo remapnn,r360x180 IN OUT");
+  }
+  const NetcdfSteps steps = netcdf_steps(file, first.time ? std::vector{*first.time} : std::vector<int>{}, name);
+  Imported imported;
+  if (!steps.times.empty()) imported.times = steps.times;
+  check_step(request, imported.times.size());
+  if (request.times_only) return imported;
+
+  const Outlines around = outlines(longitudes, latitudes, cells);
+  const std::optional<NetcdfVariable> coordinate = first.level ? file.coordinate(*first.level) : std::nullopt;
+  std::vector<double> at{0};
+  if (first.level) at = cf_places(coordinate && coordinate->type() ? coordinate->values() : std::vector<double>{}, levels, netcdf_axis(file, *first.level), imported.notes);
+  const std::vector<double> ends = ends_of(at);
+  const bool flat = levels == 1;
+  check_bytes(request, static_cast<std::uint64_t>(checked_product({static_cast<std::int64_t>(ends.size()), static_cast<std::int64_t>(longitudes.size()), 32}, name)), name);
+  vtkNew<vtkDoubleArray> places;
+  places->SetNumberOfComponents(3);
+  for (const double z : ends)
+    for (const auto& point : around.points) places->InsertNextTuple3(point[0], point[1], z);
+  std::vector<std::uint8_t> types;
+  std::vector<std::int64_t> cell_ends{0}, ids;
+  std::vector<vtkIdType> kept;
+  for (std::size_t k = 0; k < levels; ++k)
+    for (std::size_t c = 0; c < cells; ++c) {
+      const std::vector<std::int64_t>& corners = around.of_cells[c];
+      if (corners.size() < 3 || type_of(corners.size(), flat) == VTK_EMPTY_CELL) continue;
+      for (std::size_t layer = k; layer <= k + (flat ? 0 : 1); ++layer)
+        for (const std::int64_t corner : corners) ids.push_back(corner + static_cast<std::int64_t>(layer * around.points.size()));
+      types.push_back(static_cast<std::uint8_t>(type_of(corners.size(), flat)));
+      cell_ends.push_back(std::ssize(ids));
+      kept.push_back(static_cast<vtkIdType>(k * cells + c));
+    }
+  vtkNew<vtkPoints> points;
+  points->SetData(places);
+  vtkNew<vtkUnstructuredGrid> grid;
+  grid->SetPoints(points);
+  set_cells(grid, types, cell_ends, ids);
+
+  vtkNew<vtkIdList> taken;
+  taken->SetNumberOfIds(static_cast<vtkIdType>(kept.size()));
+  std::copy(kept.begin(), kept.end(), taken->GetPointer(0));
+  std::uint64_t bytes = 0;
+  for (const OverCells& of : all) {
+    if (of.cells != first.cells || of.level != first.level || (of.time && of.time != first.time)) continue;
+    std::vector<std::size_t> from, count;
+    for (const int dimension : file.dimensions(of.variable)) {
+      from.push_back(of.time == dimension ? steps.index.at(dimension).at(static_cast<std::size_t>(request.step)) : 0);
+      count.push_back(of.time == dimension ? 1 : file.length(dimension));
+    }
+    check_bytes(request, bytes += cells * levels * size_of(*file.type(of.variable)), name);
+    const vtkSmartPointer<vtkDataArray> values = netcdf_values(file, of.variable, from, count);
+    auto own = vtkSmartPointer<vtkDataArray>::Take(values->NewInstance());
+    own->SetNumberOfTuples(taken->GetNumberOfIds());
+    values->GetTuples(taken, own);
+    own->SetName(file.name(of.variable).c_str());
+    grid->GetCellData()->AddArray(own);
+    if (const std::string unit = file.text(of.variable, "units"); !unit.empty()) own->GetInformation()->Set(vtkDataArray::UNITS_LABEL(), unit);
+  }
+  append_vtk_blocks(grid, request, false, imported.blocks, imported.notes);
+  if (const std::size_t left = cells * levels - kept.size(); left > 0) imported.notes.push_back(std::to_string(left) + " cells skipped: they do not have 3 to 6 corners");
+  if (const int others = static_cast<int>(std::ssize(all)) - grid->GetCellData()->GetNumberOfArrays(); others > 0) imported.notes.push_back(std::to_string(others) + " variables over other axes skipped");
+  imported.notes.emplace_back("cells lie at their longitudes and latitudes, in degrees" + std::string(flat ? "" : ", each level up to the middles between it and its neighbours"));
+  if (!steps.sorted) imported.notes.push_back(kTimesWereSorted);
+  if (!steps.units.empty()) imported.notes.push_back("times are in " + steps.units);
+  return imported;
+}
+
+}  // namespace isostrata
