@@ -184,6 +184,14 @@ TEST_F(MeshInPlace, TwoOfThemAreBlocksOfOneDataset) {
   const auto& cells = std::get<UnstructuredGrid>(both->grid.shape);
   EXPECT_EQ(cells.connectivity[4], 4);
   EXPECT_EQ(cells.types[70'004], static_cast<std::uint8_t>(CellType::hexahedron));
+
+  // As foamToVTK writes regions.
+  data.write("regions.vtm",
+             "<?xml version=\"1.0\"?><VTKFile type=\"vtkMultiBlockDataSet\" version=\"1.0\" byte_order=\"LittleEndian\"><vtkMultiBlockDataSet>"
+             "<Block name=\"air\"><DataSet name=\"internal\" file=\"a.vtu\"/></Block><Block name=\"heater\"><DataSet name=\"internal\" file=\"b.vtu\"/></Block>"
+             "</vtkMultiBlockDataSet></VTKFile>");
+  const auto notes = open_import(data / "regions.vtm", options, Task())->notes;
+  EXPECT_NE(std::find(notes.begin(), notes.end(), "blocks: air, heater"), notes.end());
 }
 
 TEST_F(MeshInPlace, AStepOnTheMeshOfOneInMemoryBringsItsValuesAlone) {

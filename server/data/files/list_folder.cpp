@@ -180,6 +180,7 @@ class Listing {
     FolderEntry* entry = add(folder, FileKind::openfoam, folder, {});
     if (!entry) return;
     entry->files = 1;
+    entry->bytes = contents.bytes;
     for (const LookedAt& time : contents.files) {
       entry->changed = std::max(entry->changed, time.stamp.changed_ns / 1'000'000);
       entry->mark = mark_of(entry->mark, time.name, {});  // fields are added to a time that is there

@@ -98,7 +98,7 @@ void look_at_times(const fs::path& folder, FolderContents& out) {
   out.dataset = FileKind::openfoam;
 }
 
-/// All that is in a folder of Zarr or a plotfile, links aside; nothing if that is too much to look at.
+/// All that is in a folder of Zarr, a plotfile or a case of OpenFOAM, links aside; nothing if that is too much to look at.
 void weigh(const fs::path& folder, FolderContents& out) {
   constexpr int kMostFiles = 10'000;
   int left = kMostFiles;
@@ -207,7 +207,10 @@ std::optional<FolderContents> look_at_folder(const fs::path& folder, const fs::p
   struct stat about {};
   if (fstat(descriptor, &about) == 0) out.changed_ns = stamp_of(about).changed_ns;
   if (is_openfoam_case(folder)) {
+    const std::int64_t changed_ns = out.changed_ns;
     look_at_times(folder, out);
+    weigh(folder, out);
+    out.changed_ns = changed_ns;  // times have theirs
     return out;
   }
   if (is_zarr(folder)) {

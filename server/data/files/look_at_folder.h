@@ -47,7 +47,7 @@ struct LookedAt {
 struct FolderContents {
   std::optional<FileKind> dataset{};  // the folder is one: `files` are then the times of an OpenFOAM case, in their order, or what is followed of Zarr and of a plotfile; `folders` is empty, but for those of processors in which a case has its times
   std::int64_t changed_ns = 0;        // the folder itself; of Zarr the newest of what is counted in `bytes`
-  std::uint64_t bytes = 0;            // of Zarr: of all files below it, chunks too; 0 if these are more than 10,000
+  std::uint64_t bytes = 0;            // of a folder that is one: of all files below it; 0 if these are more than 10,000
   std::vector<LookedAt> files;        // in the order of their names
   std::vector<std::string> folders;   // the same
   std::vector<std::pair<std::string, std::string>> passed_over;  // names with reasons: what is not a file

@@ -21,7 +21,8 @@ void collect(vtkXMLDataElement* element, const std::string& around, int depth, c
   for (int i = 0; i < element->GetNumberOfNestedElements(); ++i) {
     vtkXMLDataElement* inner = element->GetNestedElement(i);
     const char* own = inner->GetAttribute("name");
-    const std::string called = own && *own ? own : around;
+    const bool internal = own && std::strcmp(own, "internal") == 0 && !around.empty();  // of a region of OpenFOAM's foamToVTK, whose name stands around it
+    const std::string called = own && *own && !internal ? own : around;
     if (const char* file = inner->GetAttribute("file"); file && std::strcmp(inner->GetName(), "DataSet") == 0) {
       if (parts.size() == kMostFiles) throw Error(ErrorCode::too_large, name + ": lists more than 100000 files");
       parts.push_back({called, file});

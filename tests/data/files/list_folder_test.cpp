@@ -343,6 +343,10 @@ TEST(ListFolder, AMessyFolderIsSeriesDataSetsAndReasons) {
   const FolderListing listing = list_folder(scratch / "data");
   EXPECT_EQ(names(listing), (std::map<std::string, int>{{"plume_*.vti", 3}, {"single.vti", 1}, {"damaged.vtu", 1}, {"whole.pvtu", 1}, {"raw.nhdr", 1},
                                                         {"case", 1}, {"scan", 4}, {"ct_*.png", 3}, {"finxyz.bin", 1}}));
+  for (const FolderEntry& entry : listing.entries)
+    if (entry.name == "case") {
+      EXPECT_EQ(entry.bytes, std::string("FoamFile {}").size()) << "of all files of the case";
+    }
   EXPECT_EQ(passed(listing, "belongs to another file"), 3);  // two pieces and the data of a header
   EXPECT_EQ(passed(listing, "numbers without a header"), 1);
   EXPECT_EQ(passed(listing, "a surface") + passed(listing, "this is a surface"), 3);  // by their names, and by what is in them
