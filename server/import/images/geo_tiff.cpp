@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "import/bytes/parsed_number.h"
+#include "import/bytes/trimmed.h"
 
 namespace isostrata {
 namespace {
@@ -35,11 +36,8 @@ std::optional<GeoPlace> geo_place(const TiffDirectory& directory) {
 }
 
 std::optional<double> geo_no_data(const TiffDirectory& directory) {
-  std::string_view text = directory.no_data;
-  text = text.substr(0, text.find('\0'));
-  while (text.starts_with(' ')) text.remove_prefix(1);
-  while (text.ends_with(' ')) text.remove_suffix(1);
-  return parsed_number<double>(text);
+  const std::string_view text = directory.no_data;
+  return parsed_number<double>(trimmed(text.substr(0, text.find('\0'))));
 }
 
 }  // namespace isostrata

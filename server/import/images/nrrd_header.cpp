@@ -7,6 +7,7 @@
 
 #include "base/error.h"
 #include "import/bytes/parsed_number.h"
+#include "import/bytes/trimmed.h"
 #include "import/imported/imported.h"
 
 namespace isostrata {
@@ -20,15 +21,10 @@ std::string lower(std::string_view text) {
   return out;
 }
 
-std::string_view trim(std::string_view text) {
-  const auto first = text.find_first_not_of(" \t\r\n");
-  return first == std::string_view::npos ? std::string_view{} : text.substr(first, text.find_last_not_of(" \t\r\n") - first + 1);
-}
-
 std::vector<std::string> words(std::string_view text) {
   std::vector<std::string> out;
   for (;;) {
-    text = trim(text);
+    text = trimmed(text);
     if (text.empty()) return out;
     const auto end = std::min(text.find_first_of(" \t"), text.size());
     out.emplace_back(text.substr(0, end));
@@ -37,12 +33,12 @@ std::vector<std::string> words(std::string_view text) {
 }
 
 std::optional<double> real(std::string_view text) {
-  text = trim(text);
+  text = trimmed(text);
   if (!text.empty() && text.front() == '+') text.remove_prefix(1);
   return parsed_number<double>(text);
 }
 
-std::optional<std::int64_t> integer(std::string_view text) { return parsed_number<std::int64_t>(trim(text)); }
+std::optional<std::int64_t> integer(std::string_view text) { return parsed_number<std::int64_t>(trimmed(text)); }
 
 /// Fields of one header, and how to complain about them.
 class HeaderFields {
@@ -81,7 +77,7 @@ class HeaderFields {
   }
   /// "(a,b,c)" with up to three numbers, missing ones 0.
   std::array<double, 3> vector(const std::string& field, std::string_view text) const {
-    text = trim(text);
+    text = trimmed(text);
     if (text.size() < 3 || text.front() != '(' || text.back() != ')') refuse(field, "vectors as (a,b,c) or none");
     text = text.substr(1, text.size() - 2);
     std::array<double, 3> out{};
@@ -138,12 +134,12 @@ NrrdEncoding parse_encoding(const HeaderFields& fields) {
 /// Splits "none (1,0,0) (0, 1, 0)" where blanks may also stand inside the parentheses.
 std::vector<std::string> split_vectors(const std::string& text) {
   std::vector<std::string> out;
-  std::string_view rest = trim(text);
+  std::string_view rest = trimmed(text);
   while (!rest.empty()) {
     const auto end =
         rest.front() == '(' ? std::min(rest.find(')'), rest.size() - 1) + 1 : std::min(rest.find_first_of(" \t("), rest.size());
     out.emplace_back(rest.substr(0, end));
-    rest = trim(rest.substr(end));
+    rest = trimmed(rest.substr(end));
   }
   return out;
 }
@@ -158,7 +154,7 @@ std::vector<std::string> parse_data_files(const HeaderFields& fields, const std:
     if (list.empty()) fields.refuse("data file", "file names on the lines that follow");
     return list;
   }
-  if (parts.size() < 4 || parts[0].find('%') == std::string::npos) return {std::string(trim(*field))};
+  if (parts.size() < 4 || parts[0].find('%') == std::string::npos) return {std::string(trimmed(*field))};
   const std::string& format = parts[0];
   const auto first = integer(parts[1]), last = integer(parts[2]), step = integer(parts[3]);
   const auto percent = format.find('%'), conversion = format.find_first_not_of("0123456789", percent + 1);
@@ -272,7 +268,7 @@ NrrdHeader parse_nrrd_header(std::string_view text, const std::string& name) {
     if (line.empty()) {
       ended = true;
     } else if (in_list) {
-      list.emplace_back(trim(line));
+      list.emplace_back(trimmed(line));
       if (list.size() > kMostDataFiles) throw Error(ErrorCode::too_large, name + ": lists more than 65536 data files");
     } else if (line.front() != '#') {
       const auto colon = line.find(':');
@@ -280,8 +276,8 @@ NrrdHeader parse_nrrd_header(std::string_view text, const std::string& name) {
         throw Error(ErrorCode::bad_data, name + ": header line '" + std::string(line.substr(0, 60)) +
                                              "' is neither 'field: value', 'key:=value' nor a comment");
       if (colon + 1 < line.size() && line[colon + 1] == '=') continue;  // a key and its value: free text for others
-      const std::string field = canonical(std::string(trim(line.substr(0, colon))));
-      fields.values[field] = std::string(trim(line.substr(colon + 1)));
+      const std::string field = canonical(std::string(trimmed(line.substr(0, colon))));
+      fields.values[field] = std::string(trimmed(line.substr(colon + 1)));
       in_list = field == "data file" && fields.values[field].starts_with("LIST");
     }
   }

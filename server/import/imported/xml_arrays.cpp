@@ -26,13 +26,13 @@
 #include "data/parts/partition.h"
 #include "import/bytes/parsed_number.h"
 #include "import/bytes/swap_bytes.h"
+#include "import/bytes/trimmed.h"
 
 namespace isostrata {
 namespace {
 
 constexpr std::size_t kLongestXmlHead = 16u << 20;
 constexpr std::size_t kLongestKey = 1000;  // bytes of what an element InformationKey says
-constexpr std::string_view kBlanks = " \t\r\n";
 constexpr const char* kText = "IsostrataText";  // an element that says where the text in another one begins
 
 std::optional<ScalarType> vtk_type(std::string_view name) {
@@ -49,9 +49,7 @@ std::string unit_of(vtkXMLDataElement* element) {
   for (int i = 0; i < element->GetNumberOfNestedElements(); ++i) {
     vtkXMLDataElement* const key = element->GetNestedElement(i);
     if (attribute(key, "name") != vtkDataArray::UNITS_LABEL()->GetName() || !key->GetCharacterData()) continue;
-    const std::string_view text = key->GetCharacterData();
-    const auto from = text.find_first_not_of(kBlanks);
-    return from == std::string_view::npos ? "" : std::string(text.substr(from, text.find_last_not_of(kBlanks) + 1 - from));
+    return std::string(trimmed(key->GetCharacterData()));
   }
   return {};
 }
@@ -73,6 +71,7 @@ std::optional<FileArray> head_of(vtkXMLDataElement* element) {
 /// False as soon as use says so.
 template <class Use>
 bool for_each_word(std::string_view text, const Use& use) {
+  constexpr std::string_view kBlanks = " \t\r\n";
   for (auto at = text.find_first_not_of(kBlanks); at != std::string_view::npos; at = text.find_first_not_of(kBlanks, at)) {
     const std::string_view word = text.substr(at, text.find_first_of(kBlanks, at) - at);
     if (!use(word)) return false;

@@ -17,12 +17,20 @@
 
 namespace isostrata {
 
+const ElementKind* find_kind(std::span<const ElementKind> kinds, std::int64_t type) {
+  const auto at = std::find_if(kinds.begin(), kinds.end(), [&](const ElementKind& one) { return one.type == type; });
+  return at == kinds.end() ? nullptr : &*at;
+}
+
+std::vector<double> times_of(const std::map<std::int64_t, double>& by_step) {
+  std::vector<double> times, numbers;
+  for (const auto& [number, time] : by_step) numbers.push_back(static_cast<double>(number)), times.push_back(time);
+  const bool increase = std::adjacent_find(times.begin(), times.end(), [](double a, double b) { return !(a < b); }) == times.end();
+  return increase ? times : numbers;
+}
+
 void Numbering::close(const std::string& name, const char* what) {
-  if (!std::is_sorted(all_.begin(), all_.end())) {
-    numbers_.reserve(all_.size());
-    for (const auto& [number, place] : all_) numbers_.push_back(number);
-    std::sort(all_.begin(), all_.end());
-  }
+  if (!std::is_sorted(all_.begin(), all_.end())) std::sort(all_.begin(), all_.end());
   const auto twice = std::adjacent_find(all_.begin(), all_.end(), [](const auto& a, const auto& b) { return a.first == b.first; });
   if (twice != all_.end()) throw Error(ErrorCode::bad_data, name + ": has two " + what + " of number " + std::to_string(twice->first));
 }

@@ -1,12 +1,10 @@
 // Meshes of programs that number their nodes and elements themselves, in any order and with gaps: Gmsh, CalculiX.
 #pragma once
 
-#include <vtkSmartPointer.h>
-
-#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <limits>
+#include <map>
 #include <optional>
 #include <span>
 #include <string>
@@ -15,8 +13,6 @@
 
 #include "base/vec.h"
 #include "import/imported/imported.h"
-
-class vtkUnstructuredGrid;
 
 namespace isostrata {
 
@@ -29,6 +25,12 @@ struct ElementKind {
   std::vector<int> order;  // which of its nodes VTK has where; empty: as in the file. Nodes that VTK's cell lacks are left out
 };
 
+/// Null if there is none of this type.
+const ElementKind* find_kind(std::span<const ElementKind> kinds, std::int64_t type);
+
+/// by_step: by the numbers of steps, the times. Those, if they increase; else the numbers, since some programs give all steps one time.
+std::vector<double> times_of(const std::map<std::int64_t, double>& by_step);
+
 /// Where in the file each number stands: the first is at place 0.
 class Numbering {
  public:
@@ -37,11 +39,9 @@ class Numbering {
   void close(const std::string& name, const char* what);
   std::optional<std::int64_t> place(std::int64_t number) const;
   std::int64_t size() const { return std::ssize(all_); }
-  std::int64_t number(std::int64_t place) const { return numbers_.empty() ? all_[static_cast<std::size_t>(place)].first : numbers_[static_cast<std::size_t>(place)]; }
 
  private:
   std::vector<std::pair<std::int64_t, std::int64_t>> all_;  // number, place; in order once it is closed
-  std::vector<std::int64_t> numbers_;                       // by place, if that is another order
 };
 
 /// One array, without a value (NaN) where the file gives none.

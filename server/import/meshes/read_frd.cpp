@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <cstring>
+#include <iterator>
 #include <map>
 #include <string>
 #include <string_view>
@@ -14,6 +15,7 @@
 
 #include "import/bytes/mapped_file.h"
 #include "import/bytes/parsed_number.h"
+#include "import/bytes/trimmed.h"
 #include "import/imported/read_own.h"
 #include "import/meshes/numbered_mesh.h"
 
@@ -35,13 +37,7 @@ const ElementKind* frd_kind(std::int64_t type) {
       ElementKind{11, 2, VTK_LINE, 1, {}},
       ElementKind{12, 3, VTK_QUADRATIC_EDGE, 1, {}},
   };
-  const auto at = std::find_if(kKinds.begin(), kKinds.end(), [&](const ElementKind& one) { return one.type == type; });
-  return at == kKinds.end() ? nullptr : &*at;
-}
-
-std::string_view trimmed(std::string_view text) {
-  const auto first = text.find_first_not_of(" \r");
-  return first == std::string_view::npos ? std::string_view() : text.substr(first, text.find_last_not_of(" \r") + 1 - first);
+  return find_kind(kKinds, type);
 }
 
 /// Lines whose words stand in columns, and binary numbers behind some of them.
@@ -139,15 +135,12 @@ class FrdReader {
     Imported imported;
     std::map<std::int64_t, double> by_step;
     for (const FrdValues& values : values_) by_step.emplace(values.step, values.time);
-    std::vector<std::int64_t> steps;
-    if (!by_step.empty()) imported.times.clear();
-    for (const auto& [step, time] : by_step) steps.push_back(step), imported.times.push_back(time);
-    if (std::adjacent_find(imported.times.begin(), imported.times.end(), [](double a, double b) { return !(a < b); }) != imported.times.end()) imported.times.assign(steps.begin(), steps.end());
+    if (!by_step.empty()) imported.times = times_of(by_step);
     check_step(request_, imported.times.size());
     if (request_.times_only) return imported;
     if (mesh_.elements.size() == 0) text_.refuse("has no elements; expected a block 3C");
     for (FrdValues& values : values_)
-      if (values.step == steps[static_cast<std::size_t>(request_.step)]) add(values);
+      if (values.step == std::next(by_step.begin(), request_.step)->first) add(values);
     mesh_.append_to(imported, request_);
     return imported;
   }

@@ -3,9 +3,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
+#include <map>
 #include <set>
 #include <string>
 #include <string_view>
@@ -43,8 +44,7 @@ const ElementKind* gmsh_kind(std::int64_t type) {
       ElementKind{18, 15, VTK_QUADRATIC_WEDGE, 3, {0, 1, 2, 3, 4, 5, 6, 9, 7, 12, 14, 13, 8, 10, 11}},
       ElementKind{19, 13, VTK_QUADRATIC_PYRAMID, 3, {0, 1, 2, 3, 4, 5, 8, 10, 6, 7, 9, 11, 12}},
   };
-  const auto at = std::find_if(kKinds.begin(), kKinds.end(), [&](const ElementKind& one) { return one.type == type; });
-  return at == kKinds.end() ? nullptr : &*at;
+  return find_kind(kKinds, type);
 }
 
 /// A set of values as the head of its section describes it; the values follow.
@@ -64,7 +64,8 @@ class GmshReader {
     for (const auto& [called, section] : file_.sections)
       if (called == "NodeData" || called == "ElementData" || called == "ElementNodeData") data_.push_back(head_of(called, section));
     Imported imported;
-    imported.times = times();
+    const std::map<std::int64_t, double> by_step = steps();
+    imported.times = times_of(by_step);
     check_step(request_, imported.times.size());
     if (request_.times_only) return imported;
     read_nodes();
@@ -74,7 +75,7 @@ class GmshReader {
     request_.progress(0.5);
     add_groups(imported);
     for (GmshData& data : data_)
-      if (data.step == steps_[static_cast<std::size_t>(request_.step)] || single(data)) add(data, imported);
+      if (data.step == std::next(by_step.begin(), request_.step)->first || single(data)) add(data, imported);
     mesh_.append_to(imported, request_);
     return imported;
   }
@@ -102,17 +103,13 @@ class GmshReader {
     return out;
   }
 
-  /// By the numbers of the steps, since some programs give all of them the same time.
-  std::vector<double> times() {
+  /// Their times by their numbers.
+  std::map<std::int64_t, double> steps() const {
     std::map<std::int64_t, double> by_step;
     for (const GmshData& data : data_)
       if (!single(data)) by_step.emplace(data.step, data.time);
     if (by_step.empty()) by_step.emplace(data_.empty() ? 0 : data_.front().step, data_.empty() ? 0 : data_.front().time);
-    std::vector<double> out;
-    for (const auto& [step, time] : by_step) steps_.push_back(step), out.push_back(time);
-    const bool later = std::adjacent_find(out.begin(), out.end(), [](double a, double b) { return !(a < b); }) == out.end();
-    if (!later) out.assign(steps_.begin(), steps_.end());
-    return out;
+    return by_step;
   }
 
   /// Whether values of this name are there at one step alone: they are of all.
@@ -335,7 +332,6 @@ class GmshReader {
   const GmshFile file_;
   NumberedMesh mesh_;
   std::vector<GmshData> data_;
-  std::vector<std::int64_t> steps_;                                      // by their places among the times
   std::map<std::pair<int, std::int64_t>, std::int64_t> group_of_;       // by dimension and entity
   std::vector<const ElementKind*> kinds_;                               // [elements]
   std::vector<std::int64_t> groups_, nodes_;                            // [elements]; of one element
