@@ -395,7 +395,8 @@ TEST(ListFolder, AMeshThatIsRefinedAFewStepsThatGrowAndALongSeriesStaySeries) {
   for (const int n : {1, 2, 3}) scratch.write("plume_" + std::to_string(n) + ".vti", cube(4, "0." + std::string(static_cast<std::size_t>(10 << n), '0') + "1 "));  // as packed values grow
   for (int n = 2; n < 20; ++n) scratch.write("growing_" + std::to_string(n) + ".npy", "\x93NUMPY" + std::string(std::size_t{1} << n, 'x'));
   for (const int n : {1, 2, 3}) scratch.write("last_is_short_" + std::to_string(n) + ".nc", "CDF\x01" + std::string(n == 3 ? 1000 : 8000, 'x'));
-  EXPECT_EQ(names(list_folder(scratch.path())), (std::map<std::string, int>{{"mesh_*.vtu", 3}, {"plume_*.vti", 3}, {"growing_*.npy", 18}, {"last_is_short_*.nc", 3}}));
+  for (const int n : {1, 2, 3}) scratch.write("adapted_" + std::to_string(n) + ".msh", "$MeshFormat\n4.1 0 8\n$EndMeshFormat\n" + std::string(static_cast<std::size_t>(1000 << n), ' '));
+  EXPECT_EQ(names(list_folder(scratch.path())), (std::map<std::string, int>{{"adapted_*.msh", 3}, {"mesh_*.vtu", 3}, {"plume_*.vti", 3}, {"growing_*.npy", 18}, {"last_is_short_*.nc", 3}}));
 }
 
 TEST(FolderLister, AStepThatIsBeingWrittenIsNoOtherResolution) {
