@@ -207,10 +207,10 @@ std::optional<FolderContents> look_at_folder(const fs::path& folder, const fs::p
   struct stat about {};
   if (fstat(descriptor, &about) == 0) out.changed_ns = stamp_of(about).changed_ns;
   if (is_openfoam_case(folder)) {
-    const std::int64_t changed_ns = out.changed_ns;
+    FolderContents all;
+    weigh(folder, all);
+    out.bytes = all.bytes;  // and not when the newest of them was: times have theirs
     look_at_times(folder, out);
-    weigh(folder, out);
-    out.changed_ns = changed_ns;  // times have theirs
     return out;
   }
   if (is_zarr(folder)) {
