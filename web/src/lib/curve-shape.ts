@@ -1,6 +1,7 @@
 // A curve of values: its ends, its path, its value at a place, and as a table.
 import type { Range, Vec3 } from './model';
 import type { ProbedCurve } from './told';
+import { add, length, scale, sub } from './vec';
 
 /** Of the finite values; null if there is none. */
 export function curveRange(values: readonly number[]): Range | null {
@@ -53,11 +54,9 @@ export function nearestSample(xs: readonly number[], at: number): number {
   return best;
 }
 
-export const lengthOf = (from: Vec3, to: Vec3): number => Math.hypot(to[0] - from[0], to[1] - from[1], to[2] - from[2]);
-
 export const alongLine = (from: Vec3, to: Vec3, distance: number): Vec3 => {
-  const share = distance / (lengthOf(from, to) || 1);
-  return [0, 1, 2].map((i) => (from[i] as number) + share * ((to[i] as number) - (from[i] as number))) as unknown as Vec3;
+  const way = sub(to, from);
+  return add(from, scale(way, distance / (length(way) || 1)));
 };
 
 const cell = (text: string): string => (/[",\n\r]/.test(text) ? `"${text.replaceAll('"', '""')}"` : text);
