@@ -72,6 +72,27 @@ TEST_F(Opening, ResetGoesBackToWhereOneBeganAndLeavesTheProjection) {
   EXPECT_EQ(text(client->outbox.state().camera()), text(begun));
 }
 
+TEST_F(Opening, WhatStandsUprightAtFirstDoesSoFromEverySide) {
+  for (const double upright : {1.0, -1.0}) {
+    const auto client = connect(looking(64, 48));
+    say(*client, opened());
+    for (const OpenRequest& request : take<OpenRequest>()) {
+      DatasetFacts scan = facts();
+      scan.first_view.up = {0, 0, upright};
+      scan.first_view.direction = {0, 1, 0};
+      sessions->on_event(DatasetReady{request.session, request.request, scan}, now);
+    }
+    for (const char* side : {"+x", "-x", "+y", "-y"}) {
+      say(*client, view(side));
+      EXPECT_EQ(client->outbox.state().camera().up().z(), upright) << side;
+    }
+    for (const char* side : {"+z", "-z"}) {
+      say(*client, view(side));
+      EXPECT_EQ(client->outbox.state().camera().up().y(), 1) << side;
+    }
+  }
+}
+
 TEST_F(Opening, OfADatasetThatHasNothingToShowEveryoneIsToldWhy) {
   const auto client = connect(looking());
   say(*client, opened());

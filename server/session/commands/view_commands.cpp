@@ -68,9 +68,12 @@ void apply(SceneState& state, const v1::SetView& command, const CommandContext& 
     refuse("invalid_argument", "view '" + command.view() + "' is not known; expected reset, +x, -x, +y, -y, +z or -z", "view");
   const bool orthographic = state.scene.camera && state.scene.camera->orthographic;
   const Vec3d axis_scale = state.scene.axis_scale;
-  state.scene.camera = command.view() == "reset" ? rescaled(opening_camera(dataset, context.aspect), dataset.first_view.axis_scale, axis_scale, dataset.bounds)
-                                                 : view_of(scaled(dataset.bounds, axis_scale), command.view(), context.aspect, orthographic);
-  state.scene.camera->orthographic = orthographic;
+  const Camera first = opening_camera(dataset, context.aspect);
+  Camera camera = command.view() == "reset" ? rescaled(first, dataset.first_view.axis_scale, axis_scale, dataset.bounds)
+                                            : view_of(scaled(dataset.bounds, axis_scale), command.view(), context.aspect, orthographic);
+  if (dot(camera.up, first.up) < 0) camera.up = camera.up * -1.0;  // of a scan whose slices run down, the head is up from every side
+  camera.orthographic = orthographic;
+  state.scene.camera = camera;
 }
 
 void apply(SceneState& state, const v1::SetClipPlanes& command, const CommandContext& context) {
