@@ -52,7 +52,8 @@ function packedCopies(): Plugin {
 export default defineConfig({
   base: './',
   plugins: [svelte(), contentSecurityPolicy(), packedCopies()],
-  build: { target: 'es2022', assetsInlineLimit: 0, modulePreload: { polyfill: false } },
+  // One style sheet: what comes on demand is a script alone, which can be asked for again if it does not come.
+  build: { target: 'es2022', cssCodeSplit: false, assetsInlineLimit: 0, modulePreload: { polyfill: false } },
   server: { proxy: { '/ws': { target: 'ws://127.0.0.1:8080', ws: true }, '/api': 'http://127.0.0.1:8080' } },
   test: { include: ['tests/**/*.test.ts'], environment: 'node' },
 });

@@ -1,6 +1,7 @@
 import { describe, expect, test } from 'vitest';
 import { noSurface, stepRange, type SceneState } from '../src/lib/model';
-import { datasetHere, viewOf, viewText } from '../src/lib/view-file';
+import { datasetHere } from '../src/lib/dataset-here';
+import { viewOf, viewText } from '../src/lib/view-file';
 import { seeded } from './random';
 
 /** With everything that a state can have. */

@@ -2,11 +2,7 @@
 import { fromJson, toJson, type JsonValue } from '@bufbuild/protobuf';
 import { StateSchema } from '../gen/isostrata/v1/isostrata_pb';
 import type { SceneState } from './model';
-import type { DatasetEntry } from './told';
 import { stateOf, wireState } from './wire-scene';
-
-export const viewEnding = '.isostrata.json';
-export const mostBytes = 16 * 1024 * 1024;
 
 export const viewText = (state: SceneState): string => `${JSON.stringify(toJson(StateSchema, wireState(state)), null, 1)}\n`;
 
@@ -45,14 +41,4 @@ function shortEnds(value: JsonValue, key = ''): JsonValue {
   if (key !== 'lower' && key !== 'upper') return value;
   if (value === null) return key === 'lower' ? '-Infinity' : 'Infinity';
   return value === 'inf' ? 'Infinity' : value === '-inf' ? '-Infinity' : value;
-}
-
-/** An id ends in a number made of the file's whole path, which is another one on another machine. */
-const stem = (id: string) => id.replace(/@.*$/, '').replace(/-[0-9a-f]{6}(-\d+)?(~\d+)?$/, '');
-
-/** The dataset of a view, among those that can be opened here: itself, else the one that has its file's name, if there is just one. */
-export function datasetHere(id: string, datasets: readonly Pick<DatasetEntry, 'id' | 'name'>[], open: string): Pick<DatasetEntry, 'id' | 'name'> | null {
-  const same = (entry: { id: string }) => entry.id === id.replace(/@.*$/, '');
-  const alike = datasets.filter((entry) => stem(entry.id) === stem(id));
-  return datasets.find(same) ?? alike.find((entry) => entry.id === open) ?? (alike.length === 1 ? (alike[0] ?? null) : null);
 }

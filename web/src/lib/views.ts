@@ -1,4 +1,5 @@
 // Whole views that take the place of what is shown: after a loss, out of a file, or a dataset as it was left.
+import { datasetHere } from './dataset-here';
 import type { Edits } from './edits';
 import type { FileList } from './file-list.svelte';
 import type { History } from './history.svelte';
@@ -8,7 +9,6 @@ import type { OpenDataset } from './open-dataset.svelte';
 import type { Outgoing } from './outgoing';
 import type { Recovery } from './recovery';
 import type { SceneView } from './scene-view.svelte';
-import { datasetHere, viewOf, viewText } from './view-file';
 import type { Visits } from './visits';
 
 export interface ViewsDoors {
@@ -56,13 +56,9 @@ export class Views {
     edits.openDataset(state.dataset);
     recovery.bring(state, 'undo', true);
   }
-  /** What is shown, as a file; another scene in its place, out of such a file. */
-  get file(): string {
-    return viewText(this.shown);
-  }
-  openFile(text: string, name: string): void {
+  /** Another scene in place of what is shown, out of a file, or why the file has none. */
+  openFile(view: SceneState | string, name: string): void {
     const { files, notices, out, recovery, scene } = this.doors;
-    const view = viewOf(text);
     if (typeof view === 'string') return notices.say(`“${name}” is not opened: ${view}`);
     this.#tried = null;
     notices.clear('page');
