@@ -58,6 +58,74 @@ describe('the page’s tools', () => {
     expect(viewer.problems).toEqual([]);
   });
 
+  test('a view is kept for its dataset, and one comes back to it after a reload, with the layers as they are; it is deleted', async () => {
+    await open(/torus/);
+    const { camera } = viewer.state;
+    const button = viewer.page.getByRole('button', { name: 'Kept views' });
+    const list = viewer.page.getByRole('region', { name: 'Kept views' });
+    await button.click();
+    await list.getByLabel('Name of the view to keep').fill('the hole');
+    await list.getByLabel('Name of the view to keep').press('Enter');
+    await list.getByRole('button', { name: 'the hole', exact: true }).waitFor();
+    await viewer.photograph('kept-views.png');
+    await viewer.page.keyboard.press('Escape');
+    expect(await list.isVisible()).toBe(false);
+    await viewer.page.getByRole('button', { name: 'View from +z' }).click();
+    await viewer.page.getByRole('button', { name: 'Layer 1: visible' }).click();
+    await viewer.until('another view', (state) => JSON.stringify(state.camera) !== JSON.stringify(camera) && state.intervals.some(({ visible }) => !visible));
+    await viewer.page.reload();
+    await viewer.exactPicture();
+    await button.click();
+    await list.getByRole('button', { name: 'the hole', exact: true }).click();
+    const back = await viewer.until('the view', (state) => JSON.stringify(state.camera) === JSON.stringify(camera));
+    expect(back.intervals.some(({ visible }) => !visible)).toBe(true);
+    await viewer.page.getByLabel('Dataset').selectOption({ label: 'cylinder:16x24x4x5' });
+    await expect.poll(() => list.getByRole('button', { name: 'the hole', exact: true }).count()).toBe(0);
+    await viewer.page.getByLabel('Dataset').selectOption({ label: 'torus:32' });
+    await list.getByRole('button', { name: 'the hole: delete' }).click();
+    await expect.poll(() => list.getByRole('button').count()).toBe(1);
+    expect(viewer.problems).toEqual([]);
+  });
+
+  test('the picture turns about its middle: quarters by button and R, freely by Alt and dragging', async () => {
+    await open(/torus/);
+    const application = viewer.page.getByRole('application');
+    await viewer.page.getByRole('button', { name: 'View from +x' }).click();
+    await viewer.until('from +x', ({ camera }) => camera?.up[2] === 1);
+    await viewer.page.getByRole('button', { name: 'Turn the picture right' }).click();
+    // From +x with z up, y is to the right: what was above is to the right if minus y is up.
+    const right = await viewer.until('turned right', ({ camera }) => Math.abs(camera!.up[1] + 1) < 1e-9);
+    await application.press('Shift+R');
+    await viewer.until('turned back', ({ camera }) => Math.abs(camera!.up[2] - 1) < 1e-9);
+    await application.press('r');
+    await viewer.until('turned by R', ({ camera }) => Math.abs(camera!.up[1] + 1) < 1e-9);
+    await viewer.page.getByRole('button', { name: 'Turn the picture left' }).click();
+    await viewer.until('turned left', ({ camera }) => Math.abs(camera!.up[2] - 1) < 1e-9);
+    const box = (await application.boundingBox())!;
+    await viewer.page.keyboard.down('Alt');
+    await viewer.dragFrom(box.x + box.width / 2, box.y + box.height / 2 - 150, 150, 150);
+    await viewer.page.keyboard.up('Alt');
+    const { camera } = await viewer.until('turned freely', (state) => Math.abs(state.camera!.up[1] + 1) < 0.02);
+    expect(camera!.eye).toEqual(right.camera!.eye);
+    expect(viewer.problems).toEqual([]);
+  });
+
+  test('? says what pointer and keys do, not while a text is typed', async () => {
+    await open(/torus/);
+    const help = viewer.page.getByRole('dialog', { name: 'Pointer and keys' });
+    await viewer.page.getByLabel(/: name/).first().press('?');
+    expect(await help.count()).toBe(0);
+    await viewer.page.getByRole('application').press('?');
+    await help.waitFor();
+    await viewer.photograph('help.png');
+    await viewer.page.keyboard.press('Escape');
+    await expect.poll(() => help.count()).toBe(0);
+    await viewer.page.getByRole('button', { name: 'Pointer and keys' }).click();
+    await help.getByRole('button', { name: 'Close' }).click();
+    await expect.poll(() => help.count()).toBe(0);
+    expect(viewer.problems).toEqual([]);
+  });
+
   test('Box shows the whole box from where one looks', async () => {
     await open(/torus/);
     const { camera } = viewer.state;

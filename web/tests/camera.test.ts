@@ -1,7 +1,7 @@
 import { describe, expect, test } from 'vitest';
-import { boxInView, projectSegment, sameCamera, screenFromView, viewAxes, viewFromWorld, worldPerPixel } from '../src/lib/camera';
+import { boxInView, projectSegment, rescaled, sameCamera, screenFromView, viewAxes, viewFromWorld, worldPerPixel } from '../src/lib/camera';
 import type { Camera, Vec3 } from '../src/lib/model';
-import { dolly, orbit, pan, wheelFactor } from '../src/lib/trackball';
+import { dolly, orbit, pan, roll, rollBy, wheelFactor } from '../src/lib/trackball';
 import { add, cross, dot, length, normalize, scale, sub } from '../src/lib/vec';
 import { seeded } from './random';
 
@@ -142,6 +142,50 @@ describe('the whole box', () => {
       }
       expect(widest, `seed ${seed}`).toBeLessThanOrEqual(1);
       expect(widest, `seed ${seed}`).toBeGreaterThan(0.6);
+    }
+  });
+});
+
+describe('a roll', () => {
+  test('keeps what is under the pointer under it, and the place and the direction of the eye', () => {
+    for (let seed = 1; seed <= 50; seed++) {
+      const random = seeded(seed);
+      const camera = randomCamera(random);
+      const from = { x: 640 * random(), y: 480 * random() };
+      const angle = 6 * random() - 3;
+      const [dx, dy] = [from.x - 320, from.y - 240];
+      const to = { x: 320 + dx * Math.cos(angle) - dy * Math.sin(angle), y: 240 + dx * Math.sin(angle) + dy * Math.cos(angle) };
+      const { right, up } = viewAxes(camera);
+      const s = worldPerPixel(camera, 480);
+      const under = add(camera.at, add(scale(right, dx * s), scale(up, -dy * s)));
+      const turned = rollBy(camera, from, to, 640, 480);
+      const [x, y] = project(turned, 640, 480, under);
+      expect(x, `seed ${seed}`).toBeCloseTo(to.x, 6);
+      expect(y, `seed ${seed}`).toBeCloseTo(to.y, 6);
+      expect([turned.eye, turned.at]).toEqual([camera.eye, camera.at]);
+    }
+  });
+
+  test('of a quarter to the right brings what was above to the right; four are none', () => {
+    const camera: Camera = { eye: [0, 0, 10], at: [0, 0, 0], up: [0, 1, 0], fovDeg: 40 };
+    let turned = roll(camera, Math.PI / 2);
+    expect(project(turned, 600, 600, [0, 1, 0])[0]).toBeGreaterThan(310);
+    for (let i = 0; i < 3; i++) turned = roll(turned, Math.PI / 2);
+    turned.up.forEach((of, i) => expect(of).toBeCloseTo(camera.up[i] as number, 12));
+  });
+});
+
+describe('a camera of axes that are drawn longer', () => {
+  test('looks at the same place of the file from the same side, and comes back', () => {
+    const bounds = { lower: [-1, 0, 2] as Vec3, upper: [3, 1, 4] as Vec3 };
+    const [from, to]: Vec3[] = [[1, 1, 1], [1, 1, 50]];
+    for (let seed = 1; seed <= 50; seed++) {
+      const camera = randomCamera(seeded(seed));
+      const there = rescaled(camera, from!, to!, bounds);
+      expect(there.at).toEqual([camera.at[0], camera.at[1], camera.at[2] * 50]);
+      expect(dot(viewAxes(there).back, viewAxes(camera).back), `seed ${seed}`).toBeCloseTo(1, 12);
+      const back = rescaled(there, to!, from!, bounds);
+      back.eye.forEach((of, i) => expect(of, `seed ${seed}`).toBeCloseTo(camera.eye[i] as number, 9));
     }
   });
 });

@@ -1,6 +1,8 @@
 // What nobody sees at first, as one file beside the page's first one.
 export { default as CurveDock } from './CurveDock.svelte';
 export { default as FileBrowser } from './FileBrowser.svelte';
+export { default as Help } from './Help.svelte';
+export { default as KeptViews } from './KeptViews.svelte';
 export { default as LayerNumbers } from './LayerNumbers.svelte';
 export { default as ModeControls } from './ModeControls.svelte';
 export { default as ProbeCard } from './ProbeCard.svelte';

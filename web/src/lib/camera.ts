@@ -81,3 +81,11 @@ export function sameCamera(a: Camera | null, b: Camera | null): boolean {
 }
 /** As it is drawn (SceneState.axisScale). */
 export const scaledBox = ({ lower, upper }: Box, factors: Vec3 = [1, 1, 1]): Box => ({ lower: times(lower, factors), upper: times(upper, factors) });
+
+/** At the same place of the file and from the same side if axes are drawn longer or shorter, as server/scene/axis_scale.h says. */
+export function rescaled(camera: Camera, from: Vec3, to: Vec3, bounds: Box): Camera {
+  if (from.every((factor, i) => factor === to[i])) return camera;
+  const before = diagonal(scaledBox(bounds, from));
+  const at = times(camera.at, [to[0] / from[0], to[1] / from[1], to[2] / from[2]]);
+  return { ...camera, at, eye: add(at, scale(sub(camera.eye, camera.at), before > 0 ? diagonal(scaledBox(bounds, to)) / before : 1)) };
+}

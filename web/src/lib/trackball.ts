@@ -42,6 +42,18 @@ export function orbit(camera: Camera, from: Point2, to: Point2, width: number, h
   };
 }
 
+/** Turns the picture about its middle, clockwise, by so many radians. */
+export function roll(camera: Camera, angle: number): Camera {
+  const { up, back } = viewAxes(camera);
+  return { ...camera, up: normalize(rotate(up, back, angle)) };
+}
+
+/** The same, as if the picture were turned from one pixel to another. */
+export function rollBy(camera: Camera, from: Point2, to: Point2, width: number, height: number): Camera {
+  const angleOf = (p: Point2) => Math.atan2(p.y - height / 2, p.x - width / 2);
+  return roll(camera, angleOf(to) - angleOf(from));
+}
+
 /** Moves the scene with the pointer: what lies at the distance of `at` stays under it. */
 export function pan(camera: Camera, dx: number, dy: number, height: number): Camera {
   const { right, up } = viewAxes(camera);
