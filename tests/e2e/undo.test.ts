@@ -120,6 +120,28 @@ describe('undo', () => {
     expect(viewer.state.intervals[0]).toMatchObject({ upper: layer.upper + 0.125, opacity: 0.75 });
   });
 
+  test('a layer that somebody else deletes while one types in its field says what is lost; one at which nothing was typed goes without a word', async () => {
+    await open();
+    const [first, second] = (await viewer.layersOfOurOwn(2)) as [Interval, Interval];
+    const remove = async (layer: Interval) => {
+      const address = new URL(`api/v1/sessions/${viewer.sessionId}/intervals/${layer.id}`, stage.server.ready.url);
+      address.search = new URL(stage.server.ready.url).search;
+      expect((await fetch(address, { method: 'DELETE' })).status).toBeLessThan(300);
+      await expect.poll(() => viewer.row(layer).count()).toBe(0);
+    };
+    const word = viewer.page.getByText(/Somebody else has deleted/);
+    await viewer.row(second).getByLabel(/upper end/).focus();
+    await remove(second);
+    expect(await word.count()).toBe(0);
+    await viewer.row(first).getByLabel(/upper end/).focus();
+    await viewer.page.keyboard.type('0.7512');
+    await remove(first);
+    await viewer.page.getByText('Somebody else has deleted “Layer 1”. What you were typing there is lost: “0.7512”.').waitFor();
+    await viewer.photograph('typed-and-lost.png');
+    expect(await viewer.page.evaluate(() => document.activeElement?.id)).toBe('add-layer');
+    expect(viewer.problems).toEqual([]);
+  });
+
   test('in a text that is being typed the keys are the text’s', async () => {
     await open();
     const [layer] = (await viewer.layersOfOurOwn(1)) as [Interval];
