@@ -80,10 +80,41 @@ describe('values as curves', () => {
       await expect.poll(async () => ((await viewport().boundingBox())!.height) / height).toBeGreaterThan(0.5);
       const right = await dock().getByRole('button').evaluateAll((all) => all.map((of) => of.getBoundingClientRect().right));
       expect(Math.max(...right)).toBeLessThanOrEqual(width);
+      const length = dock().getByText(/ long · /);
+      expect(await length.evaluate((of) => of.scrollWidth - of.clientWidth), 'what is cut off of the length').toBeLessThanOrEqual(0);
       // The plot comes before what lies below the window.
       const [curve, histogram] = await Promise.all([dock().boundingBox(), viewer.page.getByRole('region', { name: 'distance' }).boundingBox()]);
       expect(curve!.y).toBeLessThanOrEqual(histogram!.y);
     }
+    expect(viewer.problems).toEqual([]);
+  });
+
+  test('an edge makes the plots taller, by pointer and by keys, as far as the picture keeps its room; a reload remembers it', async () => {
+    viewer = await stage.open({ width: 1280, height: 720 });
+    await viewer.until('layers', (state) => state.intervals.length > 0);
+    const there = nearest(await viewer.exactPicture(), true);
+    await viewer.page.getByRole('button', { name: 'Line', exact: true }).click();
+    for (const dx of [0, 12]) await viewport().click({ position: { x: there.x + dx, y: there.y } });
+    await expect.poll(() => plot().count()).toBe(1);
+    const edge = viewer.page.getByRole('separator', { name: 'Height of the plots' });
+    const histogram = viewer.page.getByRole('img', { name: 'Histogram of distance' });
+    const heights = async () => [(await plot().boundingBox())!.height, (await histogram.boundingBox())!.height];
+    const before = await heights();
+    await viewer.drag(edge, 0, -80);
+    const after = await heights();
+    expect(after).toEqual(before.map((of) => of + 80));
+    await viewer.photograph('taller-plots.png');
+    await edge.press('ArrowUp');
+    expect(await heights()).toEqual(after.map((of) => of + 16));
+    await edge.press('ArrowDown');
+    await viewer.page.reload();
+    await viewer.exactPicture();
+    await expect.poll(() => plot().count()).toBe(1);
+    expect(await heights()).toEqual(after);
+    await viewer.drag(edge, 0, -600);
+    expect((await viewport().boundingBox())!.height).toBeGreaterThanOrEqual(200);
+    await edge.press('Home');
+    expect(await heights()).toEqual(before);
     expect(viewer.problems).toEqual([]);
   });
 
