@@ -21,7 +21,12 @@ def item(line, following, wrapped):
     name, meaning = line[:COLUMN], line[COLUMN:]
     if not (name.endswith(" ") and meaning.strip()) if wrapped else following.startswith(" " * COLUMN):
         name, meaning = line, ""
-    return re.sub(r",\s{2,}", ",", name.strip()), meaning.strip()
+    return in_one_order(re.sub(r",\s{2,}", ",", name.strip())), meaning.strip()
+
+
+def in_one_order(name):
+    """The options that one excludes or needs stand in the order of addresses in memory."""
+    return re.sub(r"(Excludes|Needs):((?: --?[\w-]+)+)", lambda found: f"{found[1]}: {' '.join(sorted(found[2].split()))}", name)
 
 
 def parse(text):
