@@ -67,6 +67,9 @@ json::object describe(const Dataset& dataset, const SeriesRanges& ranges, const 
                       ? json::value(nullptr)
                       : json::value(json::array{json::array{box.lower.x, box.upper.x}, json::array{box.lower.y, box.upper.y},
                                                 json::array{box.lower.z, box.upper.z}});
+  json::array axes;
+  for (const Axis& axis : dataset.axes) axes.push_back(json::object{{"name", axis.name}, {"unit", axis.unit}, {"downward", axis.downward}});
+  out["axes"] = std::move(axes);
   json::array arrays;
   for (std::size_t i = 0; i < dataset.arrays.size(); ++i) {
     const PointArray& array = dataset.arrays[i];
@@ -112,6 +115,12 @@ void print_text(const Dataset& dataset, const SeriesRanges& ranges, const std::v
   if (!box.empty())
     std::printf("\n  bounds  x [%g, %g]  y [%g, %g]  z [%g, %g]", box.lower.x, box.upper.x, box.lower.y, box.upper.y, box.lower.z,
                 box.upper.z);
+  if (std::any_of(dataset.axes.begin(), dataset.axes.end(), [](const Axis& axis) { return !axis.name.empty() || !axis.unit.empty(); }))
+    for (int axis = 0; axis < 3; ++axis) {
+      const Axis& of = dataset.axes[static_cast<std::size_t>(axis)];
+      const std::string name = std::string(1, "xyz"[axis]) + (of.name.empty() ? "" : " " + of.name);
+      std::printf("%s%s%s", axis == 0 ? "\n  axes    " : ", ", name_with_unit(name, of.unit).c_str(), of.downward ? " downward" : "");
+    }
   if (dataset.times.size() > 1)
     std::printf("\n  times   %zu steps from %.12g to %.12g; this is step %d", dataset.times.size(), dataset.times.front(),
                 dataset.times.back(), dataset.step);

@@ -98,6 +98,25 @@ TEST_F(ForeignFormats, UnitsAreThoseOfTheFiles) {
   for (const auto& [name, array, unit] : units) EXPECT_EQ(test::open(file(name))->array(array).unit, unit) << name << ": " << array;
 }
 
+TEST_F(ForeignFormats, AxesAreThoseOfTheFiles) {
+  struct Said {
+    const char *name, *x, *y, *z;
+    bool downward = false;
+  };
+  for (const Said& of : {Said{"lon_first.nc", "lon (degrees_east)", "lat (degrees_north)", "lev (hPa)", true}, Said{"lat_first.nc", "lon", "lat", "lev"}, Said{"millibars.nc", "x", "y", "air pressure (millibars)", true},
+                         Said{"pascals.nc", "x", "y", "z (Pa)", true}, Said{"down.nc", "x", "y", "z", true}, Said{"four.nc", "lon (degrees_east)", "lat (degrees_north)", "lev (m)"},
+                         Said{"climate.zarr", "lon (degrees_east)", "lat (degrees_north)", "lev (m)"}, Said{"deep.nc", "longitude (degrees_east)", "latitude (degrees_north)", "deep (m)", true},
+                         Said{"of_root.nc", "lon (degrees_east)", "lat (degrees_north)", "lev (m)"}, Said{"scaled.nii", "x (mm)", "y (mm)", "z (mm)"}, Said{"orbitals.cube", "x (Bohr)", "y (Bohr)", "z (Bohr)"},
+                         Said{"CHGCAR", "x (Angstrom)", "y (Angstrom)", "z (Angstrom)"}, Said{"grids.xsf", "x (Angstrom)", "y (Angstrom)", "z (Angstrom)"}, Said{"head.mgh", "x (mm)", "y (mm)", "z (mm)"},
+                         Said{"scan/picture1.dcm", "x (mm)", "y (mm)", "z (mm)"}, Said{"parted", "x (m)", "y (m)", "z (m)"}, Said{"plain.h5", "x", "y", "z"}}) {
+    const auto data = test::open(file(of.name));
+    EXPECT_EQ(axis_title(data->axes, 0), of.x) << of.name;
+    EXPECT_EQ(axis_title(data->axes, 1), of.y) << of.name;
+    EXPECT_EQ(axis_title(data->axes, 2), of.z) << of.name;
+    EXPECT_EQ(data->axes[2].downward, of.downward) << of.name;
+  }
+}
+
 TEST_F(ForeignFormats, ZarrHasTheValuesOfTheSameNumpyArrayWhateverPacksThem) {
   int pairs = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder_ / "f")) {

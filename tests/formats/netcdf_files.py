@@ -107,7 +107,13 @@ def axes(field, lattice, expect):
             for dimension in order:
                 axis(file, dimension, dimension, places[dimension], attributes[dimension])
             stored(file, "T", "f4", order, field.transpose([("lev", "lat", "lon").index(d) for d in order]))
-        lattice(name, {"T": [0, 345, 0]}, PLACES, [25, 10, 30, "T", 235], grid="rectilinear")
+        down = attributes is said  # a pressure falls upwards, whether or not it says so
+        lattice(name, {"T": [0, 345, 0]}, [*PLACES[:4], -70, 0] if down else PLACES, [25, 10, -30 if down else 30, "T", 235], grid="rectilinear")
+    for name, levels, kind in (("millibars.nc", [100, 200, 300, 400], "uniform"), ("pascals.nc", [1e5, 8.5e4, 5e4, 1e4], "rectilinear")):
+        with opened(name, zip(SPACE, field.shape)) as file:
+            axis(file, "z", "z", levels, {"units": name[:-3], "standard_name": "air_pressure"} if kind == "uniform" else {"units": "Pa"})
+            stored(file, "T", "f4", SPACE, field)
+        lattice(name, {"T": [0, 345, 0]}, [0, 5, 0, 4, -max(levels), -min(levels)], [5, 3, -levels[2], "T", 235], grid=kind)
     with opened("flat_lon_first.nc", [("time", 2), ("lon", 6), ("lat", 5)]) as file:
         axis(file, "time", "time", [1, 2], {"units": "days since 2000-01-01"})
         for dimension in ("lon", "lat"):

@@ -1,6 +1,6 @@
 import { expect, test } from 'vitest';
 import { boxLines } from '../src/lib/box-lines';
-import type { Box, Camera } from '../src/lib/model';
+import type { Box, Camera, Vec3 } from '../src/lib/model';
 import { seeded } from './random';
 
 const box: Box = { lower: [-1, -2, -3], upper: [3, 2, 1] };
@@ -77,4 +77,38 @@ test('while the camera is still that of a dataset a thousand billion billion tim
     for (const of of [...edges, ...ticks]) expect([of.x1, of.y1, of.x2, of.y2].every(Number.isFinite)).toBe(true);
     for (const of of labels) expect(Number.isFinite(of.x + of.y)).toBe(true);
   }
+});
+
+test('an axis has the name and the unit of the file, and numbers as it counts them', () => {
+  const camera: Camera = { eye: [20, -25, 9], at: [1, 0, -1], up: [0, 0, 1], fovDeg: 30 };
+  const factors: Vec3 = [1, 1, 0.005];
+  const drawn: Box = { lower: [-1, -2, -5], upper: [3, 2, -0.5] };
+  const axes = [
+    { name: 'longitude', unit: 'degrees_east', downward: false },
+    { name: '', unit: 'm', downward: false },
+    { name: 'air pressure', unit: 'hPa', downward: true },
+  ];
+  const plain = boxLines(camera, drawn, 800, 600, factors);
+  const named = boxLines(camera, drawn, 800, 600, factors, axes);
+  expect(named.edges).toEqual(plain.edges);
+  const names = named.labels.filter((label) => label.kind === 'name').map((label) => label.text);
+  expect(names).toContain('longitude (degrees_east)');
+  expect(names).toContain('y (m)');
+  expect(names).toContain('air pressure (hPa) ×0.005');
+  // The same place has the number times -1: pressure is highest below.
+  const pressures = named.labels.filter((label) => label.kind === 'tick' && Math.abs(Number(label.text)) >= 100);
+  expect(pressures.length).toBeGreaterThan(1);
+  for (const { text, x, y } of pressures) {
+    expect(Number(text)).toBeGreaterThan(0);
+    expect(plain.labels.find((other) => other.x === x && other.y === y)?.text).toBe(`-${text}`);
+  }
+  const ys = pressures.sort((a, b) => Number(a.text) - Number(b.text)).map(({ y }) => y);
+  expect(ys).toEqual([...ys].sort((a, b) => a - b));
+});
+
+test('a name that does not fit beside the box is its letter', () => {
+  const camera: Camera = { eye: [20, 15, 25], at: [1, 0, -1], up: [0, 1, 0], fovDeg: 30 };
+  const long = Array.from({ length: 3 }, () => ({ name: 'a name of which nobody can see the end in so narrow a picture', unit: '', downward: false }));
+  const { labels } = boxLines(camera, box, 300, 300, [1, 1, 1], long);
+  expect(labels.filter((label) => label.kind === 'name').map((label) => label.text).sort()).toEqual(['x', 'y', 'z']);
 });

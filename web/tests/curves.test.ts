@@ -153,6 +153,8 @@ describe('the shape of a curve', () => {
   });
   test('is saved with all digits, places along the line, and steps from 1', () => {
     expect(lineTable(curve({ array: 'p, "x"', at: [0, 1], values: [1 / 3, NaN] }), a, b)).toBe('distance,x,y,z,"p, ""x"""\r\n0,0,0,0,0.3333333333333333\r\n1,1,0,0,\r\n');
+    const axes = [true, false, false].map((downward) => ({ name: '', unit: '', downward }));
+    expect(lineTable(curve({ array: 'p', at: [0, 1], values: [1, 2] }), a, b, axes)).toBe('distance,x,y,z,p\r\n0,0,0,0,1\r\n1,-1,0,0,2\r\n');
     expect(stepsTable(curve({ at: [0, 1], values: [5, 6] }), [0, 0.5])).toBe('step,time,f\r\n1,0,5\r\n2,0.5,6\r\n');
   });
 });

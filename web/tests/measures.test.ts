@@ -90,7 +90,9 @@ describe("a layer's numbers", () => {
       'layer\tshell', 'volume\t2', 'centroid\t0\t0.3333333333333333\t0', 'pieces\t2', 'volume of the largest piece\t1.5', 'array\tf', 'mean\t0.25', 'standard deviation\t0.125', 'least\t0', 'greatest\t1',
     ]);
     const box = { lower: [-1, -1, -1] as const, upper: [1, 1, 1] as const };
-    expect(statisticsText(numbers({ centroid: [5.6e-15, -3e-13, 1e-9] }), 'shell', box)).toContain('centroid\t0\t0\t1e-9\n');
+    expect(statisticsText(numbers({ centroid: [5.6e-15, -3e-13, 1e-9] }), 'shell', { bounds: box })).toContain('centroid\t0\t0\t1e-9\n');
+    const axes = [false, false, true].map((downward) => ({ name: '', unit: '', downward }));
+    expect(statisticsText(numbers({ centroid: [1, 2, -850] }), 'shell', { bounds: box, axes })).toContain('centroid\t1\t2\t850\n');
     expect(statisticsText(numbers({ flat: true, valued: 0 }), 'shell')).toContain('area with values\t0');
     expect(statisticsText(numbers({ valued: 0 }), 'shell')).not.toContain('mean');
   });

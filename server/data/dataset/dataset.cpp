@@ -11,6 +11,7 @@ std::shared_ptr<Dataset> described_as(const Dataset& whole) {
   auto out = std::make_shared<Dataset>();
   out->name = whole.name;
   out->bounds = whole.bounds;
+  out->axes = whole.axes;
   out->times = whole.times;
   out->step = whole.step;
   out->notes = whole.notes;

@@ -11,6 +11,7 @@
 #include <vector>
 
 #include "base/task.h"
+#include "data/dataset/axes.h"
 #include "data/grids/grid.h"
 #include "data/grids/region_tree.h"
 #include "data/values/array.h"
@@ -27,6 +28,7 @@ struct Dataset {
   std::string name;  // what it was opened by: a path or the name of analytic data
   Grid grid;
   Box3d bounds;  // of grid's points
+  Axes axes;
   std::vector<PointArray> arrays;
   std::vector<double> times{0.0};                  // of all steps, increasing
   int step = 0;                                    // which of them this is
@@ -38,7 +40,7 @@ struct Dataset {
   const PointArray& array(std::string_view name) const;
 };
 
-/// A dataset that has the name, bounds, times, step and notes of `whole`, and no grid or array yet.
+/// A dataset that has the name, bounds, axes, times, step and notes of `whole`, and no grid or array yet.
 std::shared_ptr<Dataset> described_as(const Dataset& whole);
 
 struct OpenOptions {

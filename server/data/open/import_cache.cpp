@@ -36,7 +36,7 @@ constexpr const char* kWork = "work.bin";
 constexpr const char* kEntry = "read-";
 constexpr const char* kNew = "new-";
 constexpr int kLessWithoutGrid = 10;  // values that were found in a large file, beside its mesh, take next to no room
-constexpr int kVersion = 5;  // of what an entry looks like, and of what is made of a file
+constexpr int kVersion = 6;  // of what an entry looks like, and of what is made of a file
 
 std::string text_of(const fs::path& file) {
   std::ifstream in(file, std::ios::binary);

@@ -7,7 +7,7 @@
 //
 //   {"format":1, "grid":"uniform"|"rectilinear"|"curvilinear"|"unstructured"|"like", "dims":[ni,nj,nk] (structured grids),
 //    "points":["float32"|"float64", count] (curvilinear, unstructured), "cells":n, "connectivity":n (unstructured),
-//    "hidden_cells":bool, "arrays":[{"name":..., "association":"point"|"cell_averaged", "components":n, "component":...,
+//    "hidden_cells":bool, "axes":[{"name":..., "unit":..., "downward":bool}, two more], "arrays":[{"name":..., "association":"point"|"cell_averaged", "components":n, "component":...,
 //    "unit":..., "type":...[, "in_file":..., "offset":n][, "cell_type":...[, "cells":{"in_file":..., "offset":n}]]}],
 //    "times":n, "step":n, "notes":[...]}
 //

@@ -382,6 +382,21 @@ std::vector<PointArray> map_arrays(Manifest& manifest, const Grid& grid, const I
   return arrays;
 }
 
+Axes read_axes(const Manifest& manifest) {
+  const json::value& list = manifest.need(manifest.root(), "axes");
+  if (!list.is_array() || list.get_array().size() != 3) manifest.refuse("wrote no three axes");
+  Axes axes;
+  for (std::size_t a = 0; a < axes.size(); ++a) {
+    const json::value& entry = list.get_array()[a];
+    if (!entry.is_object()) manifest.refuse("wrote an axis that is not an object");
+    const json::object& fields = entry.get_object();
+    const json::value& downward = manifest.need(fields, "downward");
+    if (!downward.is_bool()) manifest.refuse("wrote no true or false for an axis that is downward");
+    axes[a] = {manifest.text(manifest.need(fields, "name"), "an axis's name"), manifest.text(manifest.need(fields, "unit"), "an axis's unit"), downward.get_bool()};
+  }
+  return axes;
+}
+
 }  // namespace
 
 ImportMeasures measures_of(const Dataset& dataset) {
@@ -405,6 +420,8 @@ std::shared_ptr<Dataset> map_import(const fs::path& directory, const fs::path& f
   const bool like = options.like && manifest.text(manifest.need(manifest.root(), "grid"), "the kind of grid") == "like";
   dataset->grid = like ? options.like->grid : map_grid(manifest);
   dataset->arrays = map_arrays(manifest, dataset->grid, known, !known && values_are == ImportValues::measured);
+
+  dataset->axes = like ? options.like->axes : read_axes(manifest);
 
   const std::int64_t times = manifest.integer(manifest.need(manifest.root(), "times"), "the number of time steps", 1, kMostTimes);
   Storages keep;

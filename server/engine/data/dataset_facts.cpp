@@ -17,6 +17,7 @@ DatasetFacts dataset_facts(std::string id, std::string name, const Dataset& data
   facts.cells = dataset.whole ? dataset.whole->cells : dataset.grid.cell_count();
   facts.cell_types = dataset.cell_types;
   facts.bounds = ranges.bounds();
+  facts.axes.assign(dataset.axes.begin(), dataset.axes.end());
   std::map<std::string_view, const ArrayRanges*> ranges_of;
   for (const ArrayRanges& known : ranges.arrays()) ranges_of[known.name] = &known;
   for (const PointArray& array : dataset.arrays) {

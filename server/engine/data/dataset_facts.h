@@ -42,6 +42,7 @@ struct DatasetFacts {
   std::int64_t cells = 0;
   std::map<std::string, std::int64_t> cell_types;
   Box3d bounds;
+  std::vector<Axis> axes;  // three
   std::vector<ArrayFacts> arrays;
   std::vector<double> times;
   int missing_steps = 0;  // whose values the arrays' ranges leave out, because nobody has read them yet

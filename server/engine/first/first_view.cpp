@@ -385,7 +385,8 @@ FirstView choose_view(const Dataset& first, const FirstViewSteps& steps, const F
   look_at(view, seen, looked, range, unlike.has_value());
   if (unlike) {
     view.axis_scale = unlike->scale;
-    view.scale_reason = std::string(1, "xyz"[unlike->axis]) + " is in another unit than the others, by its length";
+    const std::string& unit = shown->axes[static_cast<std::size_t>(unlike->axis)].unit;
+    view.scale_reason = std::string(1, "xyz"[unlike->axis]) + " is in another unit than the others, " + (axis_of_other_unit(shown->axes) < 0 ? "by its length" : unit.empty() ? "not in degrees" : unit);
   }
   return view;
 }

@@ -13,6 +13,7 @@ namespace {
 
 constexpr double kLonger = 2, kFarther = 20;
 constexpr double kShareOfLonger = 0.1, kShareOfShorter = 0.15;
+constexpr double kThin = 0.03, kLong = 0.5;  // of the longer of the others, between which an axis is left as it is
 
 /// Those from one to the next of which a place changes the most; nothing if that is as true of others, as it is of a turned grid.
 std::optional<GridSheets> sheets_along(const Grid& grid, int axis) {
@@ -31,14 +32,31 @@ double round_number(double value) {
   return power * (value >= 5 * power ? 5 : value >= 2 * power ? 2 : 1);
 }
 
+/// Scaled to so much of the two others.
+UnlikeAxis scaled_axis(int axis, Vec3d size) {
+  UnlikeAxis unlike{axis, {1, 1, 1}};
+  const double a = size[(axis + 1) % 3], b = size[(axis + 2) % 3];
+  unlike.scale[axis] = round_number(std::min(kShareOfLonger * std::max(a, b), kShareOfShorter * std::min(a, b)) / size[axis]);
+  return unlike;
+}
+
+/// Of an axis whose unit says that it is unlike; nothing if it looks well as it is.
+std::optional<UnlikeAxis> said_unlike(int axis, Vec3d size) {
+  const double share = size[axis] / std::max(size[(axis + 1) % 3], size[(axis + 2) % 3]);
+  if (!(share > 0) || !std::isfinite(share) || (share >= kThin && share <= kLong)) return std::nullopt;
+  return scaled_axis(axis, size);
+}
+
 std::int64_t count_of(const GridSheets& sheets) { return sheets.dims[static_cast<std::size_t>(sheets.axis)]; }
 
 }  // namespace
 
 std::optional<UnlikeAxis> unlike_axis(const Dataset& dataset) {
   const Grid& grid = dataset.grid;
-  if (!grid.structured() || grid.flat() || grid.cell_count() == 0) return std::nullopt;
+  if (grid.flat() || grid.cell_count() == 0) return std::nullopt;
   const Vec3d size = dataset.bounds.upper - dataset.bounds.lower;
+  if (const int axis = axis_of_other_unit(dataset.axes); axis >= 0) return said_unlike(axis, size);
+  if (!grid.structured()) return std::nullopt;
   const int longest = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
   std::array<double, 3> apart{};
   for (int axis = 0; axis < 3; ++axis) {
@@ -49,10 +67,7 @@ std::optional<UnlikeAxis> unlike_axis(const Dataset& dataset) {
   for (int axis = 0; axis < 3; ++axis)
     if (axis != longest && !(size[longest] > kLonger * size[axis] && apart[static_cast<std::size_t>(longest)] > kFarther * apart[static_cast<std::size_t>(axis)]))
       return std::nullopt;
-  UnlikeAxis unlike{longest, {1, 1, 1}};
-  const double a = size[(longest + 1) % 3], b = size[(longest + 2) % 3];
-  unlike.scale[longest] = round_number(std::min(kShareOfLonger * std::max(a, b), kShareOfShorter * std::min(a, b)) / size[longest]);
-  return unlike;
+  return scaled_axis(longest, size);
 }
 
 }  // namespace isostrata

@@ -50,6 +50,7 @@ AnnotationInput annotation_input(const ExtractedScene& extracted, const Scene& s
   AnnotationInput out;
   out.show = scene.annotations;
   out.bounds = input.bounds;
+  if (!extracted.steps.empty()) out.axes = extracted.steps.front()->axes;
   out.axis_scale = scene.axis_scale;
   out.camera = input.camera;
   out.width = input.width;

@@ -268,6 +268,10 @@ void write_dataset(Imported imported, const ReadRequest& request, const std::fil
     request.progress(0.5 + 0.5 * static_cast<double>(++done) / static_cast<double>(block.arrays.size()));
   }
   manifest["arrays"] = std::move(arrays);
+  json::array axes;
+  for (const Axis& axis : imported.axes)
+    axes.push_back(json::object{{"name", printable(axis.name, 100)}, {"unit", printable(axis.unit, 100)}, {"downward", axis.downward}});
+  manifest["axes"] = std::move(axes);
 
   writer.values("times.bin", std::span<const double>(imported.times));
   manifest["times"] = imported.times.size();

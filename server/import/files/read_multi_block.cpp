@@ -57,6 +57,7 @@ Imported read_multi_block(const ReadRequest& request) {
       continue;
     }
     Imported one = read_file(part);
+    imported.axes = std::move(one.axes);
     const std::string called = parts[i].name.empty() ? "block " + std::to_string(i) : parts[i].name;
     for (Block& block : one.blocks) {
       block.name = called;

@@ -80,6 +80,7 @@ Imported read_listed(const ReadRequest& request, const std::vector<Listed>& step
     ++part.depth;
     Imported one = read_file(part);
     name_by_series(request.file, file, one);
+    imported.axes = std::move(one.axes);
     for (Block& block : one.blocks) imported.blocks.push_back(std::move(block));
     for (std::string& note : one.notes) imported.notes.push_back(std::move(note));
   }

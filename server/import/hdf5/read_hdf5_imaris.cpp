@@ -90,8 +90,8 @@ Imported read_imaris(const ReadRequest& request) {
     origin = {};
     step = {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
     imported.notes.push_back("points 1 apart: the file says no extent");
-  } else if (const std::string unit = file.text("DataSetInfo/Image", "Unit"); !unit.empty()) {
-    imported.notes.push_back("unit of length: " + unit);
+  } else {
+    imported.axes = axes_in(file.text("DataSetInfo/Image", "Unit"));
   }
   Block& block = imported.blocks.emplace_back();
   place_image(block, dims, origin, step, name);

@@ -10,11 +10,10 @@
 namespace isostrata {
 namespace {
 
-/// Whether places are those of the pixels' middles (GTRasterTypeGeoKey is RasterPixelIsPoint), not of their corners.
-bool of_middles(const TiffDirectory& directory) {
-  constexpr int kRasterType = 1025, kIsPoint = 2;
+/// Whether a key that is a number by itself has this one.
+bool says(const TiffDirectory& directory, int wanted, int number) {
   for (std::size_t key = 4; key + 3 < directory.geo_keys.size(); key += 4)
-    if (directory.geo_keys[key] == kRasterType && directory.geo_keys[key + 1] == 0) return directory.geo_keys[key + 3] == kIsPoint;
+    if (directory.geo_keys[key] == wanted && directory.geo_keys[key + 1] == 0) return directory.geo_keys[key + 3] == number;
   return false;
 }
 
@@ -29,7 +28,9 @@ std::optional<GeoPlace> geo_place(const TiffDirectory& directory) {
     out = {{tie[3] - tie[0] * scale[0], tie[4] + tie[1] * scale[1]}, {scale[0], 0}, {0, -scale[1]}};
   else
     return std::nullopt;
-  const double middle = of_middles(directory) ? 0 : 0.5;
+  constexpr int kModelType = 1024, kGeographic = 2, kRasterType = 1025, kIsPoint = 2;
+  out.degrees = says(directory, kModelType, kGeographic);
+  const double middle = says(directory, kRasterType, kIsPoint) ? 0 : 0.5;  // places are those of the pixels' middles, not of their corners
   for (std::size_t a = 0; a < 2; ++a) out.first[a] += middle * (out.column[a] + out.row[a]);
   const double area = out.column[0] * out.row[1] - out.column[1] * out.row[0];
   return std::isfinite(area) && area != 0 && std::isfinite(out.first[0]) && std::isfinite(out.first[1]) ? std::optional(out) : std::nullopt;

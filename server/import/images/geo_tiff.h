@@ -14,6 +14,7 @@ namespace isostrata {
 struct GeoPlace {
   std::array<double, 2> first{};               // the middle of the first pixel of the file
   std::array<double, 2> column{}, row{};       // from a pixel to the next of its row, and to the one in the next row
+  bool degrees = false;                        // longitudes and latitudes
 };
 
 /// Nothing if the file does not say it, or says it by more points than one alone.

@@ -69,6 +69,19 @@ class HeaderFields {
     if (out.size() != axes) refuse(field, std::to_string(axes) + " entries");
     return out;
   }
+  /// Words between quotes; some write them without. As many as there are, at most `most`.
+  std::vector<std::string> quoted(const std::string& field, std::size_t most) const {
+    std::vector<std::string> out;
+    const std::string* value = find(field);
+    for (std::string_view left = value ? std::string_view(*value) : std::string_view(); out.size() < most && !(left = trimmed(left)).empty();) {
+      const bool opened = left.front() == '"';
+      if (opened) left.remove_prefix(1);
+      const std::size_t end = std::min(left.find_first_of(opened ? "\"" : " \t"), left.size());
+      out.emplace_back(left.substr(0, end) == "???" ? "" : left.substr(0, end));
+      left.remove_prefix(std::min(end + 1, left.size()));
+    }
+    return out;
+  }
   std::optional<double> finite(const std::string& field, const std::string& word) const {
     if (word == "???" || lower(word) == "nan") return std::nullopt;
     const auto value = real(word);
@@ -220,6 +233,8 @@ std::vector<NrrdAxis> parse_axes(const HeaderFields& fields) {
     for (std::size_t a = 0; a < entries.size(); ++a) use(axes[a], entries[a]);
   };
   each("kinds", [](NrrdAxis& axis, const std::string& word) { axis.kind = word; });
+  const std::vector<std::string> units = fields.quoted("units", count);
+  for (std::size_t a = 0; a < units.size(); ++a) axes[a].unit = units[a];
   each("spacings", [&](NrrdAxis& axis, const std::string& word) { axis.spacing = fields.finite("spacings", word); });
   each("axis mins", [&](NrrdAxis& axis, const std::string& word) { axis.lower = fields.finite("axis mins", word); });
   each("axis maxs", [&](NrrdAxis& axis, const std::string& word) { axis.upper = fields.finite("axis maxs", word); });
@@ -285,6 +300,8 @@ NrrdHeader parse_nrrd_header(std::string_view text, const std::string& name) {
   NrrdHeader header;
   header.length = at;
   if (const std::string* unit = fields.find("sample units")) header.unit = *unit;
+  const std::vector<std::string> space_units = fields.quoted("space units", 3);
+  std::copy(space_units.begin(), space_units.end(), header.space_units.begin());
   header.type = parse_type(fields);
   header.encoding = parse_encoding(fields);
   header.axes = parse_axes(fields);

@@ -20,7 +20,7 @@ enum class NrrdRole { space, component, time };
 struct NrrdAxis {
   std::int64_t size = 1;
   NrrdRole role = NrrdRole::space;
-  std::string kind;                             // as written, empty if not given
+  std::string kind, unit;                       // as written, empty if not given
   std::optional<double> spacing, lower, upper;  // "spacings", "axis mins", "axis maxs"; absent if not given or nan
   bool cell_centered = false;
   std::optional<std::array<double, 3>> direction;  // "space directions"; absent for none
@@ -34,6 +34,7 @@ struct NrrdHeader {
   std::optional<std::array<double, 3>> origin;  // "space origin"
   std::int64_t line_skip = 0, byte_skip = 0;
   std::string unit;                     // "sample units"
+  std::array<std::string, 3> space_units;  // of the axes of the space that origin and directions are in
   std::vector<std::string> data_files;  // empty: the data follow the header
   std::size_t length = 0;               // bytes of header, blank line included
 

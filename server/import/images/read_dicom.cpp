@@ -226,7 +226,8 @@ Imported read_dicom(const ReadRequest& request) {
   if (uneven > 0.01 * std::abs(step.back().along - step[0].along) / gaps) imported.notes.push_back("slices are not evenly spaced: some are up to " + std::to_string(uneven) + " mm from their place; a slice may be missing");
   block.arrays.push_back(values_of(step, request));
   imported.blocks.push_back(std::move(block));
-  imported.notes.push_back("placed in the patient's space: x to the left, y to the back, z up; unit of length: mm");
+  imported.axes = axes_in("mm");
+  imported.notes.push_back("placed in the patient's space: x to the left, y to the back, z up");
   if (copies > 0) imported.notes.push_back(std::to_string(copies) + " files are left out: they are copies of others");
   if (volumes.size() > 1) imported.notes.push_back(std::to_string(volumes.size() - 1) + " other series of the folder skipped: the one of most slices is read");
   return imported;

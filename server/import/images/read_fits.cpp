@@ -116,7 +116,7 @@ void convert(const FitsValues& of, std::span<std::byte> row, std::span<std::byte
 }
 
 /// Places along straight axes of one unit, else points 1 apart: degrees of the sky and a frequency have no common length.
-void place(Block& block, const FitsHeader& header, const FitsAxes& axes, const std::string& name, std::vector<std::string>& notes) {
+void place(Imported& imported, const FitsHeader& header, const FitsAxes& axes, const std::string& name) {
   std::array<double, 3> origin{};
   std::array<std::array<double, 3>, 3> step{{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
   bool straight = axes.count > 0;
@@ -124,6 +124,7 @@ void place(Block& block, const FitsHeader& header, const FitsAxes& axes, const s
   for (std::size_t a = 0; a < axes.count; ++a) {
     const std::string n = std::to_string(axes.space[a].number), type = header.text("CTYPE" + n), unit = header.text("CUNIT" + n);
     const std::optional<double> delta = header.real("CDELT" + n);
+    imported.axes[a] = {type, unit};
     if (!type.empty()) said += (said.empty() ? "" : ", ") + type + (unit.empty() ? "" : " in " + unit);
     straight = straight && delta && *delta != 0 && type.find("--") == std::string::npos && unit == header.text("CUNIT" + std::to_string(axes.space[0].number));
     for (std::size_t b = 0; b < axes.count; ++b)
@@ -135,11 +136,10 @@ void place(Block& block, const FitsHeader& header, const FitsAxes& axes, const s
   if (!straight) {
     origin = {};
     for (std::size_t a = 0; a < 3; ++a) step[a][a] = 1;
-    notes.push_back("points 1 apart" + (said.empty() ? std::string() : "; the axes are " + said));
-  } else if (const std::string unit = header.text("CUNIT" + std::to_string(axes.space[0].number)); !unit.empty()) {
-    notes.push_back("unit of length: " + unit);
+    imported.axes = {};
+    imported.notes.push_back("points 1 apart" + (said.empty() ? std::string() : "; the axes are " + said));
   }
-  place_image(block, {axes.space[0].size, axes.space[1].size, axes.space[2].size}, origin, step, name);
+  place_image(imported.blocks.front(), {axes.space[0].size, axes.space[1].size, axes.space[2].size}, origin, step, name);
 }
 
 std::string array_name(const FitsHeader& header, const FitsAxes& axes, std::int64_t s) {
@@ -175,7 +175,7 @@ Imported read_fits(const ReadRequest& request) {
   const std::int64_t points = checked_product({axes.space[0].size, axes.space[1].size, axes.space[2].size}, name);
   check_bytes(request, static_cast<std::uint64_t>(checked_product({points, axes.stokes.size, static_cast<std::int64_t>(size_of(of.type))}, name)), name);
   Block& block = imported.blocks.emplace_back();
-  place(block, header, axes, name, imported.notes);
+  place(imported, header, axes, name);
   const FitsData data = tiles ? unpack_fits_tiles(file.bytes(), found, header, request) : FitsData{file.bytes().subspan(header.data(), header.data_bytes()), nullptr};
   const std::size_t width = size_of(of.stored), length = static_cast<std::size_t>(axes.space[0].size);
   const auto step = static_cast<std::size_t>(std::max<std::int64_t>(axes.space[0].step, 1));

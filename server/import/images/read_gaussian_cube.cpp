@@ -64,11 +64,11 @@ Imported read_gaussian_cube(const ReadRequest& request) {
   const std::int64_t values_of_point = trailing_count(words.rest_of_line());
   std::array<std::int64_t, 3> dims{};
   std::array<std::array<double, 3>, 3> step{};
-  std::vector<std::string> notes;
+  std::string unit;
   std::int64_t fields = named_fields ? 1 : values_of_point;
   for (std::size_t a = 0; a < 3; ++a) {
     dims[a] = words.integer("the number of points along an axis", 1 << 24);
-    if (a == 0) notes.push_back(dims[a] < 0 ? "unit of length: Angstrom" : "unit of length: Bohr");
+    if (a == 0) unit = dims[a] < 0 ? "Angstrom" : "Bohr";
     dims[a] = std::abs(dims[a]);
     if (dims[a] == 0) throw Error(ErrorCode::bad_data, name + ": no points along an axis");
     for (double& x : step[a]) x = words.number("the step along an axis");
@@ -91,7 +91,7 @@ Imported read_gaussian_cube(const ReadRequest& request) {
   check_bytes(request, static_cast<std::uint64_t>(values) * sizeof(double), name);
 
   Imported imported;
-  imported.notes = notes;
+  imported.axes = axes_in(unit);
   Block block;
   place_image(block, dims, origin, step, name);
   std::vector<std::span<double>> to;

@@ -65,7 +65,7 @@ void place(Block& block, const std::array<std::byte, kHeader>& header, const std
   }
   place_image(block, dims, origin, step, name);
   imported.notes.emplace_back(placed ? "placed by its header: x to the right, y to the front, z up" : "its header says no place: points 1 apart, as FreeSurfer takes them");
-  imported.notes.emplace_back("unit of length: mm");
+  imported.axes = axes_in("mm");
 }
 
 }  // namespace

@@ -143,7 +143,7 @@ Imported read_mrc(const ReadRequest& request) {
     array.values = std::as_bytes(std::span<const float>(floats));
     array.storage = wider;
   }
-  imported.notes.push_back("unit of length: Å");
+  imported.axes = axes_in("Å");
   return imported;
 }
 

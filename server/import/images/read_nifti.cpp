@@ -155,7 +155,7 @@ Imported read_nifti(const ReadRequest& asked) {
   }
   if (const vtkNIFTIImageHeader* header = reader->GetNIFTIHeader())
     if (const char* unit = unit_of(const_cast<vtkNIFTIImageHeader*>(header)->GetXYZTUnits() & 7))
-      imported.notes.push_back(std::string("unit of length: ") + unit);
+      imported.axes = axes_in(unit);
   return imported;
 }
 

@@ -14,13 +14,13 @@ namespace {
 
 constexpr std::int64_t kMostNrrdComponents = 256;
 
-struct Axes {
+struct NrrdAxes {
   std::vector<std::size_t> space, component;
   std::optional<std::size_t> time;
 };
 
-Axes sort_axes(const NrrdHeader& header, const std::string& name) {
-  Axes axes;
+NrrdAxes sort_axes(const NrrdHeader& header, const std::string& name) {
+  NrrdAxes axes;
   std::int64_t components = 1;
   for (std::size_t a = 0; a < header.axes.size(); ++a) {
     switch (header.axes[a].role) {
@@ -62,7 +62,7 @@ std::vector<std::byte> load_values(const ReadRequest& request, const NrrdHeader&
 }
 
 /// [points][components] at one time step, x fastest.
-FileArray gather(const NrrdHeader& header, const Axes& axes, std::span<const std::byte> values, int step) {
+FileArray gather(const NrrdHeader& header, const NrrdAxes& axes, std::span<const std::byte> values, int step) {
   const std::size_t width = size_of(header.type);
   std::vector<std::size_t> strides(header.axes.size());
   std::size_t stride = 1;
@@ -110,7 +110,7 @@ FileArray gather(const NrrdHeader& header, const Axes& axes, std::span<const std
 }
 
 /// The step's values as they lie in the one file that has them, if they are what gather() would copy: x, y and z in this order, then time.
-std::optional<FileArray> in_place(const ReadRequest& request, const NrrdHeader& header, const Axes& axes, const std::shared_ptr<const MappedFile>& main,
+std::optional<FileArray> in_place(const ReadRequest& request, const NrrdHeader& header, const NrrdAxes& axes, const std::shared_ptr<const MappedFile>& main,
                                   std::vector<std::string>& notes) {
   const bool in_order = axes.component.empty() && (!axes.time || *axes.time + 1 == header.axes.size()) &&
                         std::is_sorted(axes.space.begin(), axes.space.end());
@@ -154,7 +154,7 @@ std::pair<double, double> along(const NrrdAxis& axis, double origin, const std::
   return {origin, spacing};
 }
 
-void place(Block& block, const NrrdHeader& header, const Axes& axes, const std::string& name) {
+void place(Block& block, const NrrdHeader& header, const NrrdAxes& axes, const std::string& name) {
   std::array<std::int64_t, 3> dims{1, 1, 1};
   bool directions = false;
   for (std::size_t i = 0; i < axes.space.size(); ++i) {
@@ -191,7 +191,7 @@ Imported read_nrrd(const ReadRequest& request) {
   const auto file = std::make_shared<const MappedFile>(request.file);
   const auto bytes = file->bytes();
   const NrrdHeader header = parse_nrrd_header({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, name);
-  const Axes axes = sort_axes(header, name);
+  const NrrdAxes axes = sort_axes(header, name);
   Imported imported;
   if (axes.time) {
     const NrrdAxis& time = header.axes[*axes.time];
@@ -215,6 +215,8 @@ Imported read_nrrd(const ReadRequest& request) {
     block.arrays.push_back(gather(header, axes, values, request.step));
   }
   block.arrays.back().unit = header.unit;
+  const bool in_space = header.origin || header.space_units[0] != "" || std::any_of(header.axes.begin(), header.axes.end(), [](const NrrdAxis& axis) { return axis.direction.has_value(); });
+  for (std::size_t a = 0; a < axes.space.size(); ++a) imported.axes[a].unit = in_space ? header.space_units[a] : header.axes[axes.space[a]].unit;
   imported.blocks.push_back(std::move(block));
   return imported;
 }

@@ -150,7 +150,7 @@ Imported read_stack(const ReadRequest& request, const TiffStack& stack, const Ti
   if (raised && !in_one)
     for (const auto& [page, values] : wanted) lower(values);
   imported.notes.insert(imported.notes.end(), stack.notes.begin(), stack.notes.end());
-  if (!stack.unit.empty()) imported.notes.push_back("unit of length: " + stack.unit);
+  imported.axes = axes_in(stack.unit);
   if (stack.frames > 1 && stack.interval > 0) imported.notes.push_back("times are in " + stack.time_unit);
   return imported;
 }
@@ -183,6 +183,7 @@ void place_on_earth(Imported& imported, const TiffDirectory& directory, const Pa
   Block& block = imported.blocks.front();
   place_image(block, block.grid.dims(), {at->first[0] + below * at->row[0], at->first[1] + below * at->row[1], 0},
               {{{at->column[0], at->column[1], 0}, {turn * at->row[0], turn * at->row[1], 0}, {0, 0, 1}}}, name);
+  if (at->degrees) imported.axes = {Axis{"longitude", "degrees"}, Axis{"latitude", "degrees"}, Axis{}};
   imported.notes.emplace_back("placed by its GeoTIFF tags, in the middles of the pixels: x to the east, y to the north");
 }
 

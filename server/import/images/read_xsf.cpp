@@ -136,7 +136,7 @@ Imported read_xsf(const ReadRequest& request) {
     for (double& x : step[a]) x /= static_cast<double>(first.dims[a] - 1);
   place_image(block, first.dims, first.origin, step, name);
   Imported imported;
-  imported.notes.emplace_back("unit of length: Angstrom");
+  imported.axes = axes_in("Angstrom");
   if (others > 0) imported.notes.push_back(std::to_string(others) + " grids of other points than the first one's skipped");
   imported.blocks.push_back(std::move(block));
   return imported;
@@ -196,7 +196,7 @@ Imported read_vasp(const ReadRequest& request) {
     for (double& x : step[a]) x /= static_cast<double>(in_file[a]);
   place_image(block, dims, {0, 0, 0}, step, name);
   Imported imported;
-  imported.notes.emplace_back("unit of length: Angstrom");
+  imported.axes = axes_in("Angstrom");
   imported.blocks.push_back(std::move(block));
   return imported;
 }

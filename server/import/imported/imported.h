@@ -14,6 +14,7 @@
 #include <vector>
 
 #include "base/error.h"
+#include "data/dataset/axes.h"
 #include "data/grids/grid.h"
 #include "data/values/array.h"
 
@@ -59,6 +60,7 @@ struct Imported {
   std::vector<Block> blocks;
   std::vector<double> times{0.0};
   std::vector<std::string> notes;
+  Axes axes{};
 };
 
 struct ReadRequest {

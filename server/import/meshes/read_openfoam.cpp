@@ -74,6 +74,7 @@ void take_units(Block& block) {
 Imported read_meshes(vtkPOpenFOAMReader* reader, const ReadRequest& request) {
   Imported imported = read_step(reader, request);
   for (Block& block : imported.blocks) take_units(block);
+  imported.axes = axes_in("m");
   vtkMultiBlockDataSet* regions = reader->GetOutput();
   std::vector<std::string> names;
   for (unsigned i = 0; regions && i < regions->GetNumberOfBlocks(); ++i) {
@@ -111,6 +112,7 @@ Imported read_parts(const std::vector<fs::path>& folders, const std::vector<vtkS
       block.name = folders[i].filename().string() + (block.name == kMesh ? "" : "/" + block.name);
       imported.blocks.push_back(std::move(block));
     }
+    imported.axes = std::move(one.axes);
     for (const std::string& note : one.notes) add_note(imported.notes, note);
   }
   return imported;

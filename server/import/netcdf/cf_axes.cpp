@@ -39,7 +39,32 @@ bool even(const std::vector<double>& places) {
   return true;
 }
 
+/// Pressures fall upwards, though files need not say so (CF conventions, section 4.3.1).
+bool is_pressure(const std::string& units) {
+  const std::string small = small_letters(units);
+  return small == "pa" || small == "hpa" || small == "kpa" || small == "mb" || small == "mbar" || small.starts_with("millibar") || small == "pascal" || small == "bar" || small == "dbar" || small == "decibar" || small == "decibars";
+}
+
 }  // namespace
+
+CfAxis cf_axis(const std::string& name, const std::function<std::string(const char*)>& text) {
+  CfAxis out{name, true, text("axis"), text("units"), text("positive"), text("standard_name"), text("calendar")};
+  if (out.positive.empty() && is_pressure(out.units)) out.positive = "down";
+  return out;
+}
+
+Axis cf_meaning(const CfAxis& of) {
+  std::string name = of.standard_name.empty() ? of.name : of.standard_name;
+  std::replace(name.begin(), name.end(), '_', ' ');
+  return {name, of.units == "1" ? "" : of.units, of.positive == "down"};
+}
+
+Axes cf_axes(const std::vector<CfAxis>& axes) {
+  Axes in_order;
+  for (std::size_t a = 0; a < std::min<std::size_t>(axes.size(), 3); ++a) in_order[a] = cf_meaning(axes[axes.size() - 1 - a]);
+  const auto from = cf_turned(axes);
+  return from ? Axes{in_order[(*from)[0]], in_order[(*from)[1]], in_order[(*from)[2]]} : in_order;
+}
 
 bool is_cf_time(const CfAxis& of) {
   if (!of.has_places) return small_letters(of.name) == "time";

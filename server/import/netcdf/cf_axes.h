@@ -22,6 +22,10 @@ struct CfAxis {
   std::string axis, units, positive, standard_name, calendar;
 };
 
+/// Of a coordinate variable that has these attributes.
+CfAxis cf_axis(const std::string& name, const std::function<std::string(const char* attribute)>& text);
+/// What it is to whoever looks at it.
+Axis cf_meaning(const CfAxis& axis);
 bool is_cf_time(const CfAxis& axis);
 
 /// The units of times, with the calendar: what day it is depends on it, models have years of 365 and of 360 days.
@@ -52,6 +56,9 @@ std::vector<std::size_t> best_cf_fields(std::span<const CfField> all);
 
 /// Which axis of a block over these (0: the last of them) is x, which y and which z; nothing if they do not say, or where the order is this one. Two or three.
 std::optional<std::array<std::size_t, 3>> cf_turned(const std::vector<CfAxis>& axes);
+
+/// What x, y and z are, of two or three of these in the same order.
+Axes cf_axes(const std::vector<CfAxis>& axes);
 
 /// The places that a coordinate variable has, upwards if they are depths; counted from 0 if these are not `length` numbers that go one way, which a note says.
 std::vector<double> cf_places(std::vector<double> own, std::size_t length, const CfAxis& axis, std::vector<std::string>& notes);

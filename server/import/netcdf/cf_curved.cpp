@@ -31,16 +31,16 @@ class Curves {
  public:
   Curves(const CfVariables& variables, const std::string& name, const std::vector<int>& space, const CfMoment& moment) : variables_(variables), name_(name), space_(space), moment_(moment) {}
 
-  bool place(Block& block, std::vector<std::string>& notes) {
+  std::optional<Axes> place(Block& block, std::vector<std::string>& notes) {
     std::array<std::int64_t, 3> dims{1, 1, 1};
     for (std::size_t a = 0; a < space_.size(); ++a) dims[a] = static_cast<std::int64_t>(variables_.length(space_[space_.size() - 1 - a]));
     auto x = horizontal({"degrees_east", "degree_east", "degrees_E", "degree_E", "degreesE", "degreeE"}, "longitude");
     auto y = horizontal({"degrees_north", "degree_north", "degrees_N", "degree_N", "degreesN", "degreeN"}, "latitude");
-    if (!x || !y || x->over != y->over) return false;
+    if (!x || !y || x->over != y->over) return std::nullopt;
     if (unwrap(*x, dims)) notes.push_back("longitudes are continued across 180 or 360 degrees, at which they begin anew");
-    const auto z = vertical(*x, notes);
+    const auto [z, height] = vertical(*x, notes);
     fill(block, dims, *x, *y, z);
-    return true;
+    return Axes{Axis{"longitude", "degrees_east"}, Axis{"latitude", "degrees_north"}, height};
   }
 
  private:
@@ -97,17 +97,18 @@ class Curves {
   }
 
   /// Along the axis that longitude is not over: by a variable over all three, by a formula, by the axis's own coordinate, else counted.
-  Term vertical(const Term& x, std::vector<std::string>& notes) const {
-    if (space_.size() < 3) return {{0.0}, {}, {}};
+  std::pair<Term, Axis> vertical(const Term& x, std::vector<std::string>& notes) const {
+    if (space_.size() < 3) return {Term{{0.0}, {}, {}}, {}};
     for (const std::string& name : named()) {
       const std::string positive = variables_.text(name, "positive"), standard = variables_.text(name, "standard_name");
       const bool upright = positive == "up" || positive == "down" || standard == "depth" || standard == "height" || standard == "altitude" || standard == "geopotential_height";
       if (axes_of(name) != 3 || !upright) continue;
       if (auto found = term(name)) {
-        if (positive == "down" || (positive.empty() && standard == "depth"))
+        CfAxis of = cf_axis(name, [&](const char* attribute) { return variables_.text(name, attribute); });
+        if (positive.empty() && standard == "depth") of.positive = "down";
+        if (of.positive == "down")
           for (double& value : found->values) value = -value;
-        notes.push_back("z is '" + name + "'" + (positive == "down" || (positive.empty() && standard == "depth") ? ", upwards" : ""));
-        return std::move(*found);
+        return {std::move(*found), cf_meaning(of)};
       }
     }
     const auto axis = static_cast<std::size_t>(std::find(x.over.begin(), x.over.end(), false) - x.over.begin());
@@ -118,7 +119,7 @@ class Curves {
     out.stride[axis] = 1;
     const CfAxis of = variables_.axis(dimension);
     out.values = cf_places(of.has_places ? variables_.values(of.name, {0}, {variables_.length(dimension)}) : std::vector<double>{}, variables_.length(dimension), of, notes);
-    return out;
+    return {std::move(out), cf_meaning(of)};
   }
 
   /// "s: s_rho C: Cs_r eta: zeta depth: h depth_c: hc"
@@ -131,7 +132,14 @@ class Curves {
     return out;
   }
 
-  std::optional<Term> by_formula(int dimension, std::size_t axis, std::vector<std::string>& notes) const {
+  static std::string depth_name(const std::string& formula) {
+    std::istringstream words(formula);
+    for (std::string key, name; words >> key >> name;)
+      if (key == "depth:") return name;
+    return {};
+  }
+
+  std::optional<std::pair<Term, Axis>> by_formula(int dimension, std::size_t axis, std::vector<std::string>& notes) const {
     const std::string name = variables_.axis(dimension).name, kind = variables_.text(name, "standard_name");
     const std::string formula = variables_.text(name, "formula_terms");
     const bool sigma = kind == "ocean_sigma_coordinate", g1 = kind == "ocean_s_coordinate_g1", g2 = kind == "ocean_s_coordinate_g2";
@@ -167,7 +175,7 @@ class Curves {
           out.values.push_back(g1 ? part + eta * (1 + part / depth) : eta + (eta + depth) * part);
         }
     notes.push_back("z is by the formula of '" + name + "' (" + kind + "), upwards" + (axis == 2 ? "" : ", along another axis than the first"));
-    return out;
+    return std::pair{std::move(out), Axis{{}, variables_.text(depth_name(formula), "units")}};
   }
 
   /// Takes jumps by a whole turn out, along the rows and from each row to the next. Whether there were any.
@@ -230,8 +238,9 @@ class Curves {
 
 }  // namespace
 
-bool place_on_curves(Block& block, const CfVariables& variables, const std::string& name, const std::vector<int>& space, const CfMoment& moment, std::vector<std::string>& notes) {
-  return (space.size() == 2 || space.size() == 3) && Curves(variables, name, space, moment).place(block, notes);
+std::optional<Axes> place_on_curves(Block& block, const CfVariables& variables, const std::string& name, const std::vector<int>& space, const CfMoment& moment, std::vector<std::string>& notes) {
+  if (space.size() != 2 && space.size() != 3) return std::nullopt;
+  return Curves(variables, name, space, moment).place(block, notes);
 }
 
 }  // namespace isostrata

@@ -33,7 +33,8 @@ struct CfMoment {
   std::size_t place = 0;
 };
 
-/// Gives the block such points, if the variables have them for the field `name` over these two or three axes of space (x usually last); else it changes nothing. Cells at points without a place are hidden.
-bool place_on_curves(Block& block, const CfVariables& variables, const std::string& name, const std::vector<int>& space, const CfMoment& moment, std::vector<std::string>& notes);
+/// Gives the block such points, if the variables have them for the field `name` over these two or three axes of space (x usually last), and says what its axes are; else it changes nothing. Cells at
+/// points without a place are hidden.
+std::optional<Axes> place_on_curves(Block& block, const CfVariables& variables, const std::string& name, const std::vector<int>& space, const CfMoment& moment, std::vector<std::string>& notes);
 
 }  // namespace isostrata

@@ -32,8 +32,11 @@ CfAxis netcdf_axis(const NetcdfGroup& file, int dimension);
 /// Which axis of a block over these dimensions (0: the last of them) is x, which y and which z; nothing if they do not say, or where the order is this one.
 std::optional<std::array<std::size_t, 3>> netcdf_turned(const NetcdfGroup& file, const std::vector<int>& dimensions);
 
+/// What x, y and z are over these dimensions (x usually last).
+Axes netcdf_meaning(const NetcdfGroup& file, const std::vector<int>& dimensions);
+
 /// As place_on_curves, for the variable at a step.
-bool place_netcdf_on_curves(Block& block, const NetcdfVariable& of, const std::vector<int>& space, const CfMoment& moment, std::vector<std::string>& notes);
+std::optional<Axes> place_netcdf_on_curves(Block& block, const NetcdfVariable& of, const std::vector<int>& space, const CfMoment& moment, std::vector<std::string>& notes);
 
 /// Turns the axes of a block, and its arrays: new axis a is the one that was from[a]. Only of straight axes and values on points.
 void turn_block(Block& block, const std::array<std::size_t, 3>& from);

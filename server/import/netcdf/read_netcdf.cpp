@@ -187,12 +187,24 @@ void refuse_empty(const NetcdfFile& file, const std::vector<int>& dimensions, co
       throw Error(ErrorCode::bad_data, name + ": its dimension '" + file.dimension_name(dimension) + "' has length 0; expected at least one step or place along it");
 }
 
-/// VTK turns the spacing of an even axis whose values go down, and not its origin.
-void place_downward(UniformGrid& grid, const NetcdfFile& file, const std::vector<int>& dimensions) {
+/// VTK turns an axis that says that it goes down, an even one without its origin. Pressures do not say it.
+void place_downward(Grid& grid, const NetcdfFile& file, const std::vector<int>& dimensions) {
+  auto* const uniform = std::get_if<UniformGrid>(&grid.shape);
+  auto* const rectilinear = std::get_if<RectilinearGrid>(&grid.shape);
   for (std::size_t axis = 0; axis < std::min<std::size_t>(dimensions.size(), 3); ++axis) {
-    const std::optional<NetcdfVariable> coordinate = file.coordinate(dimensions[dimensions.size() - 1 - axis]);
-    if (!coordinate || coordinate->text("positive") != "down") continue;
-    if (const std::vector<double> places = coordinate->values(); !places.empty()) grid.origin[static_cast<int>(axis)] = -places.front();
+    const int dimension = dimensions[dimensions.size() - 1 - axis];
+    const std::optional<NetcdfVariable> coordinate = file.coordinate(dimension);
+    if (!coordinate || netcdf_axis(file, dimension).positive != "down") continue;
+    const bool turned = coordinate->text("positive") == "down";
+    if (rectilinear && !turned)
+      for (double& place : rectilinear->axes[axis]) place = -place;
+    if (!uniform) continue;
+    const auto a = static_cast<int>(axis);
+    if (!turned) uniform->spacing[a] = -uniform->spacing[a];
+    if (const std::vector<double> places = coordinate->values(); turned && !places.empty())
+      uniform->origin[a] = -places.front();
+    else if (!turned)
+      uniform->origin[a] = -uniform->origin[a];
   }
 }
 
@@ -269,9 +281,13 @@ Imported read_netcdf(const ReadRequest& request) {
   CfMoment moment;
   if (const std::vector<int> all = file.dimensions(first); !timed.empty() && all.front() == timed.front())
     moment = {timed.front(), steps.index.at(timed.front()).at(static_cast<std::size_t>(request.step))};
+  imported.axes = netcdf_meaning(file, over);
   for (Block& block : imported.blocks) {
-    if (is_over(block, file, over) && place_netcdf_on_curves(block, {file, first}, over, moment, imported.notes)) continue;
-    if (auto* uniform = std::get_if<UniformGrid>(&block.grid.shape)) place_downward(*uniform, file, over);
+    if (const auto curved = is_over(block, file, over) ? place_netcdf_on_curves(block, {file, first}, over, moment, imported.notes) : std::nullopt) {
+      imported.axes = *curved;
+      continue;
+    }
+    place_downward(block.grid, file, over);
     if (const auto from = netcdf_turned(file, over)) turn_block(block, *from);
   }
   imported.notes.insert(imported.notes.end(), notes.begin(), notes.end());

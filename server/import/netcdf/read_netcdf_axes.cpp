@@ -27,6 +27,12 @@ std::vector<double> times_along(const NetcdfGroup& file, int dimension, const st
   return own;
 }
 
+std::vector<CfAxis> axes_along(const NetcdfGroup& file, const std::vector<int>& dimensions) {
+  std::vector<CfAxis> axes;
+  for (const int dimension : dimensions) axes.push_back(netcdf_axis(file, dimension));
+  return axes;
+}
+
 template <class T>
 std::array<T, 3> turned(const std::array<T, 3>& before, const std::array<std::size_t, 3>& from) {
   return {before[from[0]], before[from[1]], before[from[2]]};
@@ -87,7 +93,7 @@ class NetcdfVariables : public CfVariables {
 
 }  // namespace
 
-bool place_netcdf_on_curves(Block& block, const NetcdfVariable& of, const std::vector<int>& space, const CfMoment& moment, std::vector<std::string>& notes) {
+std::optional<Axes> place_netcdf_on_curves(Block& block, const NetcdfVariable& of, const std::vector<int>& space, const CfMoment& moment, std::vector<std::string>& notes) {
   return place_on_curves(block, NetcdfVariables(of.group), of.name(), space, moment, notes);
 }
 
@@ -120,14 +126,12 @@ NetcdfSteps netcdf_steps(const NetcdfGroup& file, const std::vector<int>& dimens
 CfAxis netcdf_axis(const NetcdfGroup& file, int dimension) {
   const std::optional<NetcdfVariable> of = file.coordinate(dimension);
   if (!of) return {file.dimension_name(dimension)};
-  return {of->name(), true, of->text("axis"), of->text("units"), of->text("positive"), of->text("standard_name"), of->text("calendar")};
+  return cf_axis(of->name(), [&](const char* attribute) { return of->text(attribute); });
 }
 
-std::optional<std::array<std::size_t, 3>> netcdf_turned(const NetcdfGroup& file, const std::vector<int>& dimensions) {
-  std::vector<CfAxis> axes;
-  for (const int dimension : dimensions) axes.push_back(netcdf_axis(file, dimension));
-  return cf_turned(axes);
-}
+std::optional<std::array<std::size_t, 3>> netcdf_turned(const NetcdfGroup& file, const std::vector<int>& dimensions) { return cf_turned(axes_along(file, dimensions)); }
+
+Axes netcdf_meaning(const NetcdfGroup& file, const std::vector<int>& dimensions) { return cf_axes(axes_along(file, dimensions)); }
 
 void turn_block(Block& block, const std::array<std::size_t, 3>& from) {
   const bool on_points = std::none_of(block.arrays.begin(), block.arrays.end(), [](const FileArray& array) { return array.on_cells; });

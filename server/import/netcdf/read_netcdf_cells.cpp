@@ -181,6 +181,7 @@ std::optional<Imported> read_netcdf_cells(const NetcdfFile& file, const ReadRequ
     grid->GetCellData()->AddArray(own);
     if (const std::string unit = file.text(of.variable, "units"); !unit.empty()) own->GetInformation()->Set(vtkDataArray::UNITS_LABEL(), unit);
   }
+  imported.axes = {Axis{"longitude", "degrees_east"}, Axis{"latitude", "degrees_north"}, first.level ? cf_meaning(netcdf_axis(file, *first.level)) : Axis{}};
   append_vtk_blocks(grid, request, false, imported.blocks, imported.notes);
   if (const std::size_t left = cells * levels - kept.size(); left > 0) imported.notes.push_back(std::to_string(left) + " cells skipped: they do not have 3 to 6 corners");
   if (const int others = static_cast<int>(std::ssize(all)) - grid->GetCellData()->GetNumberOfArrays(); others > 0) imported.notes.push_back(std::to_string(others) + " variables over other axes skipped");

@@ -49,13 +49,18 @@ std::vector<Placed> best_of(const std::vector<Placed>& all) {
 }
 
 /// Whether it lies on straight axes.
-bool place(Block& block, const Placed& of, const CfMoment& moment, std::vector<std::string>& notes) {
-  if (place_netcdf_on_curves(block, of.of, of.over.space, moment, notes)) return false;
+bool place(Imported& imported, const Placed& of, const CfMoment& moment) {
+  Block& block = imported.blocks.emplace_back();
+  if (const auto curved = place_netcdf_on_curves(block, of.of, of.over.space, moment, imported.notes)) {
+    imported.axes = *curved;
+    return false;
+  }
+  imported.axes = netcdf_meaning(of.of.group, of.over.space);
   std::array<std::vector<double>, 3> axes{{{0}, {0}, {0}}};
   for (std::size_t axis = 0; axis < of.over.space.size(); ++axis) {
     const int dimension = of.over.space[of.over.space.size() - 1 - axis];
     const std::optional<NetcdfVariable> coordinate = of.of.group.coordinate(dimension);
-    axes[axis] = cf_places(coordinate && coordinate->type() ? coordinate->values() : std::vector<double>{}, of.of.group.length(dimension), netcdf_axis(of.of.group, dimension), notes);
+    axes[axis] = cf_places(coordinate && coordinate->type() ? coordinate->values() : std::vector<double>{}, of.of.group.length(dimension), netcdf_axis(of.of.group, dimension), imported.notes);
   }
   place_on_axes(block, std::move(axes));
   return true;
@@ -123,7 +128,7 @@ std::optional<Imported> read_netcdf_placed(const NetcdfFile& file, const ReadReq
   const Placed& first = says == variables.end() ? variables.front() : *says;
   CfMoment moment{first.over.time};
   if (moment.dimension) moment.place = steps.index.at(*moment.dimension).at(static_cast<std::size_t>(request.step));
-  const bool straight = place(imported.blocks.emplace_back(), first, moment, imported.notes);
+  const bool straight = place(imported, first, moment);
   add_arrays(variables, steps, request, imported);
   if (const auto from = straight ? netcdf_turned(group, variables.front().over.space) : std::nullopt) turn_block(imported.blocks.front(), *from);
   if (const std::size_t others = all.size() - variables.size(); others > 0) imported.notes.push_back(std::to_string(others) + " variables over other axes skipped");

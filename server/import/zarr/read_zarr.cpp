@@ -107,20 +107,10 @@ void place(Block& block, const ZarrBox& box, const std::vector<ZarrAxis>& axes, 
   place_image(block, {box.size[0], box.size[1], box.size[2]}, origin, step, name);
 }
 
-void note_units(const ZarrBox& box, const std::vector<ZarrAxis>& axes, std::size_t time, std::vector<std::string>& notes) {
-  std::vector<std::string> units;
-  std::string each;
+void take_units(const ZarrBox& box, const std::vector<ZarrAxis>& axes, std::size_t time, Imported& imported) {
   for (std::size_t b = 0; b < 3; ++b)
-    if (box.axes[b] != kNone) {
-      const ZarrAxis& axis = axes[box.axes[b]];
-      units.push_back(axis.unit);
-      if (!axis.unit.empty()) each += (each.empty() ? "" : ", ") + axis.name + " in " + axis.unit;
-    }
-  if (std::adjacent_find(units.begin(), units.end(), std::not_equal_to<>()) != units.end())
-    notes.push_back("units of length: " + each);
-  else if (!each.empty())
-    notes.push_back("unit of length: " + units.front());
-  if (time != kNone && !axes[time].unit.empty()) notes.push_back("times are in " + axes[time].unit);
+    if (box.axes[b] != kNone) imported.axes[b] = {axes[box.axes[b]].name, axes[box.axes[b]].unit};
+  if (time != kNone && !axes[time].unit.empty()) imported.notes.push_back("times are in " + axes[time].unit);
 }
 
 }  // namespace
@@ -162,7 +152,7 @@ Imported read_zarr(const ReadRequest& request) {
   const ZarrCount count = add_zarr_arrays(store, array, box, request, called, block);
   imported.blocks.push_back(std::move(block));
   imported.notes = image.notes;
-  note_units(box, axes, roles.time, imported.notes);
+  take_units(box, axes, roles.time, imported);
   if (!found.named) imported.notes.push_back("an array alone, which no image explains: its last axis is x; points 1 apart");
   note_missing(count, imported.notes);
   return imported;

@@ -48,7 +48,7 @@ class Fields : private CfVariables {
     const auto says = std::find_if(best.begin(), best.end(), [&](std::size_t f) { return !text_in(of[f]->array.attributes, "coordinates").empty(); });
     const std::size_t first = says == best.end() ? best.front() : *says;
     Block& block = imported.blocks.emplace_back();
-    const std::array<std::size_t, 3> from = place(*of[first], fields[first], order, block, imported.notes);
+    const std::array<std::size_t, 3> from = place(*of[first], fields[first], order, block, imported);
     check_size(fields, best, of);
     ZarrCount count;
     for (const std::size_t f : best) {
@@ -106,8 +106,7 @@ class Fields : private CfVariables {
   CfAxis axis(int dimension) const override {
     const Variable* const of = coordinate(dimension);
     if (!of) return {names_[static_cast<std::size_t>(dimension)]};
-    const auto text = [&](const char* name) { return text_in(of->array.attributes, name); };
-    return {of->name, true, text("axis"), text("units"), text("positive"), text("standard_name"), text("calendar")};
+    return cf_axis(of->name, [&](const char* attribute) { return text_in(of->array.attributes, attribute); });
   }
 
   std::vector<std::string> names() const override {
@@ -180,16 +179,20 @@ class Fields : private CfVariables {
   }
 
   /// Gives which of the axes of space (0: the last) is x, which y and which z.
-  std::array<std::size_t, 3> place(const Variable& variable, const CfField& of, const std::vector<std::size_t>& order, Block& block, std::vector<std::string>& notes) {
-    if (place_on_curves(block, *this, variable.name, of.space, {of.time, place_in_time(of, order)}, notes)) return {0, 1, 2};
+  std::array<std::size_t, 3> place(const Variable& variable, const CfField& of, const std::vector<std::size_t>& order, Block& block, Imported& imported) {
+    if (const auto curved = place_on_curves(block, *this, variable.name, of.space, {of.time, place_in_time(of, order)}, imported.notes)) {
+      imported.axes = *curved;
+      return {0, 1, 2};
+    }
     std::vector<CfAxis> axes;
     for (const int dimension : of.space) axes.push_back(axis(dimension));
+    imported.axes = cf_axes(axes);
     const std::array<std::size_t, 3> from = cf_turned(axes).value_or(std::array<std::size_t, 3>{0, 1, 2});
     std::array<std::vector<double>, 3> at{{{0}, {0}, {0}}};
     for (std::size_t a = 0; a < 3; ++a)
       if (from[a] < of.space.size()) {
         const std::size_t s = of.space.size() - 1 - from[a];
-        at[a] = cf_places(places(of.space[s]), length(of.space[s]), axes[s], notes);
+        at[a] = cf_places(places(of.space[s]), length(of.space[s]), axes[s], imported.notes);
       }
     place_on_axes(block, std::move(at));
     return from;

@@ -105,9 +105,9 @@ Text beside(const AnnotationTheme& theme, const Font& font, Point2 at, Point2 ou
   return text;
 }
 
-std::string axis_name(int axis, double scale) { return kNames[axis] + (scale == 1 ? "" : " ×" + number_text(scale, 3)); }
+std::string axis_name(const Axes& axes, int axis, double scale) { return axis_title(axes, axis) + (scale == 1 ? "" : " ×" + number_text(scale, 3)); }
 
-/// scale: of this axis.
+/// scale: places of this axis for one of its numbers.
 AxisLayout lay_out(const AxisTicks& ticks, double scale, const Edge& edge, Point2 out, const Screen& screen, const AnnotationTheme& theme,
                    const Font& font) {
   AxisLayout layout;
@@ -130,13 +130,15 @@ bool inside(const LabelBox& box, const AnnotationInput& input) {
   return box.x0 >= 1 && box.y0 >= 1 && box.x1 <= input.width - 1 && box.y1 <= input.height - 1;
 }
 
-void put_free(const Text& text, const LabelBox& box, const AnnotationInput& input, const AnnotationTheme& theme,
+/// Whether it is free, and was put.
+bool put_free(const Text& text, const LabelBox& box, const AnnotationInput& input, const AnnotationTheme& theme,
               std::vector<LabelBox>& taken, Drawing& drawing) {
-  if (!inside(box, input)) return;
+  if (!inside(box, input)) return false;
   for (const LabelBox& other : taken)
-    if (other.overlaps(box, 0.5 * theme.letter)) return;
+    if (other.overlaps(box, 0.5 * theme.letter)) return false;
   taken.push_back(box);
   drawing.over.emplace_back(text);
+  return true;
 }
 
 }  // namespace
@@ -213,9 +215,10 @@ void annotate_axes(const AnnotationInput& input, const AnnotationTheme& theme, c
     if (!input.show.box) drawing.over.emplace_back(Stroke{a, b, theme.line, {theme.strong.color, 0.7}});
 
     AxisLayout layout;
-    const double scale = input.axis_scale[axis];
+    const double factor = input.axis_scale[axis], scale = input.axes[static_cast<std::size_t>(axis)].downward ? -factor : factor;
     for (int most = 8; most >= 1; --most) {
-      const AxisTicks ticks = axis_ticks(input.bounds.lower[axis] / scale, input.bounds.upper[axis] / scale, most);
+      const double a_number = input.bounds.lower[axis] / scale, another = input.bounds.upper[axis] / scale;
+      const AxisTicks ticks = axis_ticks(std::min(a_number, another), std::max(a_number, another), most);
       layout = lay_out(ticks, scale, *best, out, screen, theme, font);
       if (!layout.crowded && pixels / (static_cast<double>(ticks.values.size()) + 1) > 2 * theme.letter) break;
     }
@@ -224,9 +227,15 @@ void annotate_axes(const AnnotationInput& input, const AnnotationTheme& theme, c
       for (const double x : {box.x0, box.x1})
         for (const double y : {box.y0, box.y1}) farthest = std::max(farthest, (x - half.x) * out.x + (y - half.y) * out.y);
     for (const Stroke& stroke : layout.strokes) drawing.over.emplace_back(stroke);
-    Text name = beside(theme, font, half, out, std::max(farthest, theme.letter) + 0.5 * theme.letter, axis_name(axis, scale), 1.25);
-    name.ink = {theme.dark ? kAxisColors[axis] : kAxisColorsOnLight[axis], 1};
-    put_free(name, box_of(name, font), input, theme, taken, drawing);
+    // Beyond the middle of the numbers, else beyond an end of the axis, else the letter alone.
+    const std::string words = axis_name(input.axes, axis, factor);
+    const double gap = std::max(farthest, theme.letter) + 0.5 * theme.letter;
+    const Point2 along{(b.x - a.x) / pixels, (b.y - a.y) / pixels};
+    for (Text name : {beside(theme, font, half, out, gap, words, 1.25), beside(theme, font, b, along, theme.letter, words, 1.25),
+                      beside(theme, font, a, {-along.x, -along.y}, theme.letter, words, 1.25), beside(theme, font, half, out, gap, axis_name({}, axis, factor), 1.25)}) {
+      name.ink = {theme.dark ? kAxisColors[axis] : kAxisColorsOnLight[axis], 1};
+      if (put_free(name, box_of(name, font), input, theme, taken, drawing)) break;
+    }
     for (std::size_t i = 0; i < layout.texts.size(); ++i)
       put_free(layout.texts[i], layout.boxes[i], input, theme, taken, drawing);
   }

@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "data/dataset/axes.h"
 #include "rendering/annotations/canvas.h"
 #include "scene/annotation_choice.h"
 #include "scene/axis_scale.h"
@@ -24,6 +25,7 @@ struct LegendEntry {
 struct AnnotationInput {
   Annotations show;
   Box3d bounds;
+  Axes axes{};
   Vec3d axis_scale = kUnscaled;  // numbers on axes are places in `bounds` over these
   Camera camera;
   int width = 800, height = 600;  // of the whole picture

@@ -176,6 +176,12 @@ v1::DatasetInfo to_wire(const DatasetFacts& facts) {
     *out.mutable_lower() = to_wire(facts.bounds.lower);
     *out.mutable_upper() = to_wire(facts.bounds.upper);
   }
+  for (const Axis& axis : facts.axes) {
+    v1::AxisInfo* info = out.add_axes();
+    info->set_name(axis.name);
+    info->set_unit(axis.unit);
+    info->set_downward(axis.downward);
+  }
   for (const ArrayFacts& array : facts.arrays) {
     v1::ArrayInfo* info = out.add_arrays();
     info->set_name(array.name);

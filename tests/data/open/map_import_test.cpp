@@ -34,6 +34,7 @@ class Unstructured {
     write(
         "manifest.json",
         R"({"format":1,"grid":"unstructured","points":["float32",4],"cells":1,"connectivity":4,"hidden_cells":false,)"
+        R"("axes":[{"name":"","unit":"mm","downward":false},{"name":"","unit":"mm","downward":false},{"name":"depth","unit":"m","downward":true}],)"
         R"("arrays":[{"name":"a","association":"point","components":1,"component":"","unit":"","type":"float32"}],"times":1,"step":0,"notes":[]})");
   }
   void write(const std::string& name, const std::string& bytes) { scratch_.write(name, bytes); }
@@ -55,6 +56,9 @@ TEST(MapImport, MapsWhatIsGoodAndLeavesNoFiles) {
   const auto data = good.map();
   EXPECT_EQ(data->grid.cell_count(), 1);
   EXPECT_EQ(data->array("a").at(3), 4);
+  EXPECT_EQ(axis_title(data->axes, 0), "x (mm)");
+  EXPECT_EQ(axis_title(data->axes, 2), "depth (m)");
+  EXPECT_TRUE(data->axes[2].downward);
   EXPECT_TRUE(std::filesystem::is_empty(good.scratch().path()));
 }
 
@@ -141,6 +145,10 @@ TEST(MapImport, RefusesEveryInconsistency) {
       {"manifest deep", [](auto& u) { u.write("manifest.json", std::string(100000, '[')); }},
       {"manifest not UTF-8", [](auto& u) { u.replace(R"("name":"a")", "\"name\":\"\xff\""); }},
       {"key missing", [](auto& u) { u.replace(R"("notes":[])", R"("remarks":[])"); }},
+      {"axes missing", [](auto& u) { u.replace(R"("axes":)", R"("axis":)"); }},
+      {"two axes", [](auto& u) { u.replace(R"({"name":"","unit":"mm","downward":false},)", ""); }},
+      {"axis downward by a number", [](auto& u) { u.replace(R"("downward":true)", R"("downward":1)"); }},
+      {"axis without a unit", [](auto& u) { u.replace(R"("unit":"m",)", ""); }},
       {"note no text", [](auto& u) { u.replace(R"("notes":[])", R"("notes":[1])"); }},
   };
   for (const auto& [what, spoil] : cases) {
@@ -174,7 +182,8 @@ ErrorCode structured(const std::string& grid, const std::string& dims,
   for (const auto& [name, bytes] : files) scratch.write(name, bytes);
   scratch.write("times.bin", bytes_of<double>({0}));
   scratch.write("manifest.json", "{\"format\":1,\"grid\":\"" + grid + "\",\"dims\":" + dims +
-                                     ",\"hidden_cells\":false,\"arrays\":[],\"times\":1,\"step\":0,\"notes\":[]}");
+                                     R"(,"hidden_cells":false,"axes":[{"name":"","unit":"","downward":false},{"name":"","unit":"","downward":false},{"name":"","unit":"","downward":false}],)"
+                                     "\"arrays\":[],\"times\":1,\"step\":0,\"notes\":[]}");
   try {
     map_import(scratch.path(), "t", {});
   } catch (const Error& error) {

@@ -80,6 +80,46 @@ TEST(Annotations, NumbersAndNamesNeverOverlapAndStayInThePicture) {
   }
 }
 
+std::vector<Text> texts(const Drawing& drawing) {
+  std::vector<Text> out;
+  for (const Shape& shape : drawing.over)
+    if (const auto* text = std::get_if<Text>(&shape)) out.push_back(*text);
+  return out;
+}
+
+TEST(Annotations, AxesHaveTheNamesUnitsAndNumbersOfTheFile) {
+  AnnotationInput plain = some_input(900, 700);
+  plain.show.legend = false;
+  const double away = length(plain.camera.eye - plain.camera.at);
+  plain.camera.up = {0, 0, 1};
+  plain.camera.eye = plain.camera.at + normalized(Vec3d{1, -1.2, 0.6}) * (1.3 * away);
+  AnnotationInput named = plain;
+  named.axes = {Axis{"longitude", "degrees_east"}, Axis{"", "m"}, Axis{"air pressure", "hPa", true}};
+  const auto before = texts(annotate(plain)), after = texts(annotate(named));
+  const auto has = [](const std::vector<Text>& all, const std::string& words) { return std::any_of(all.begin(), all.end(), [&](const Text& of) { return of.text == words; }); };
+  for (const char* words : {"longitude (degrees_east)", "y (m)", "air pressure (hPa)"}) {
+    EXPECT_TRUE(has(after, words)) << words;
+    EXPECT_FALSE(has(before, words)) << words;
+  }
+  EXPECT_TRUE(has(before, "z"));
+  // Where z was said to be -2 it is said to be 2.
+  const auto is_at = [](const std::vector<Text>& all, const std::string& words, Point2 place) {
+    return std::any_of(all.begin(), all.end(), [&](const Text& of) { return of.text == words && std::hypot(of.at.x - place.x, of.at.y - place.y) < of.size; });
+  };
+  int turned = 0;
+  for (const Text& of : before) turned += of.text == "−2" && is_at(after, "2", of.at) && !is_at(before, "2", of.at);
+  EXPECT_EQ(turned, 1) << "y has a -2 as well, which stays";
+}
+
+TEST(Annotations, ANameThatDoesNotFitIsItsLetter) {
+  AnnotationInput input = some_input(300, 300);
+  input.show.legend = false;
+  input.axes[0].name = input.axes[1].name = input.axes[2].name = "a name of which nobody sees the end in so narrow a picture";
+  const auto words = texts(annotate(input));
+  for (const char* letter : {"x", "y", "z"})
+    EXPECT_GE(std::count_if(words.begin(), words.end(), [&](const Text& of) { return of.text == letter; }), 1) << letter;
+}
+
 /// What is drawn beside the legend, and the legend's panel: the first shape with the panel's opacity. All that follows is the
 /// legend's.
 struct Beside {

@@ -1,7 +1,9 @@
 // The bounding box and its axes as lines and labels on the screen, for the overlay that moves at once while the frame follows.
+import { asInFile, axisTitle, letters } from './axes';
 import { center, projectSegment, screenFromView, viewAxes, viewFromWorld } from './camera';
 import type { Box, Camera, Vec3 } from './model';
 import { formatNumber, ticks, tickText } from './ticks';
+import type { Axis } from './told';
 import { sub, dot } from './vec';
 
 export interface EdgeLine {
@@ -31,8 +33,6 @@ interface Edge {
   to: Vec3;
   facing: number; // how many of its two faces are seen: 0, 1, 2
 }
-
-const names = ['x', 'y', 'z'] as const;
 
 /** The twelve edges, each with how many of its faces look at the eye. */
 function edgesOf(box: Box, camera: Camera, towards: Vec3): Edge[] {
@@ -64,8 +64,8 @@ function edgesOf(box: Box, camera: Camera, towards: Vec3): Edge[] {
   return edges;
 }
 
-/** `factors`: the box is that of the dataset times these; numbers are places in the dataset. */
-export function boxLines(camera: Camera, box: Box, width: number, height: number, factors: Vec3 = [1, 1, 1]): BoxLines {
+/** `factors`: the box is that of the dataset times these; numbers are the file's. */
+export function boxLines(camera: Camera, box: Box, width: number, height: number, factors: Vec3 = [1, 1, 1], meaning?: readonly Axis[]): BoxLines {
   const axes = viewAxes(camera);
   const edges = edgesOf(box, camera, axes.back);
   const result: BoxLines = { edges: [], ticks: [], labels: [] };
@@ -91,7 +91,7 @@ export function boxLines(camera: Camera, box: Box, width: number, height: number
       const y = (line[0][1] + line[1][1]) / 2 + (line[0][0] + line[1][0]) * 1e-3;
       if (!best || y > best.y) best = { edge, line, y };
     }
-    if (best) label(result, best.edge, best.line, middle, camera, axes, width, height, factors[axis]);
+    if (best) label(result, best.edge, best.line, middle, camera, axes, width, height, factors[axis], meaning);
   }
   return result;
 }
@@ -106,6 +106,7 @@ function label(
   width: number,
   height: number,
   factor: number,
+  meaning: readonly Axis[] | undefined,
 ): void {
   const pixels = Math.hypot(b[0] - a[0], b[1] - a[1]);
   if (pixels < 36) return; // seen end on
@@ -115,11 +116,10 @@ function label(
   if ((mx - middle[0]) * out[0] + (my - middle[1]) * out[1] < 0) out = [-out[0], -out[1]];
 
   const { axis } = edge;
-  const lower = edge.from[axis] / factor;
-  const upper = edge.to[axis] / factor;
-  for (const value of ticks(lower, upper, Math.max(1, Math.min(6, pixels / 64)))) {
+  const numbers = [edge.from, edge.to].map((end) => asInFile(meaning, axis, end[axis] / factor)) as [number, number];
+  for (const value of ticks(Math.min(...numbers), Math.max(...numbers), Math.max(1, Math.min(6, pixels / 64)))) {
     const point = [...edge.from] as [number, number, number];
-    point[axis] = value * factor;
+    point[axis] = asInFile(meaning, axis, value) * factor;
     const view = viewFromWorld(camera, axes, point);
     if (view[2] >= 0 && !camera.orthographic) continue;
     const [x, y] = screenFromView(camera, width, height, view);
@@ -128,5 +128,18 @@ function label(
     // Where two axes meet, one number is enough.
     if (result.labels.every((other) => Math.hypot(other.x - label.x, other.y - label.y) > 18)) result.labels.push(label);
   }
-  result.labels.push({ x: mx + out[0] * 36, y: my + out[1] * 30, text: factor === 1 ? names[axis] : `${names[axis]} ×${formatNumber(factor, 3)}`, kind: 'name' });
+  // The whole name beyond the numbers, else beyond an end of the axis, else the letter.
+  const scaled = factor === 1 ? '' : ` ×${formatNumber(factor, 3)}`;
+  const title = axisTitle(meaning, axis) + scaled;
+  const half = 3.4 * title.length;
+  const [ux, uy] = [(b[0] - a[0]) / pixels, (b[1] - a[1]) / pixels];
+  const places = [
+    [mx + out[0] * (33 + half), my + out[1] * 30],
+    [b[0] + ux * (10 + half), b[1] + uy * 16],
+    [a[0] - ux * (10 + half), a[1] - uy * 16],
+  ] as const;
+  const free = (x: number, y: number) => result.labels.every((other) => Math.abs(other.x - x) > half + 12 || Math.abs(other.y - y) > 9);
+  const [x, y] = places.find(([x, y]) => x >= half && x <= width - half && y >= 8 && y <= height - 8 && free(x, y)) ?? [];
+  if (x !== undefined && y !== undefined) result.labels.push({ x, y, text: title, kind: 'name' });
+  else result.labels.push({ x: mx + out[0] * 36, y: my + out[1] * 30, text: letters[axis] + scaled, kind: 'name' });
 }

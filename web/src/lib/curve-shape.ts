@@ -1,6 +1,7 @@
 // A curve of values: its ends, its path, its value at a place, and as a table.
+import { asInFile } from './axes';
 import type { Range, Vec3 } from './model';
-import type { ProbedCurve } from './told';
+import type { Axis, ProbedCurve } from './told';
 import { add, length, scale, sub } from './vec';
 
 /** Of the finite values; null if there is none. */
@@ -64,8 +65,8 @@ const cell = (text: string): string => (/[",\n\r]/.test(text) ? `"${text.replace
 export const row = (cells: readonly (string | number)[]): string => cells.map((of) => (typeof of === 'number' ? (Number.isFinite(of) ? String(of) : '') : cell(of))).join(',');
 
 /** Numbers in all their digits; a cell without a value is empty, which along a line is a gap. */
-export function lineTable(curve: ProbedCurve, from: Vec3, to: Vec3): string {
-  const rows = curve.at.map((at, i) => row([at, ...alongLine(from, to, at), curve.values[i] as number]));
+export function lineTable(curve: ProbedCurve, from: Vec3, to: Vec3, axes?: readonly Axis[]): string {
+  const rows = curve.at.map((at, i) => row([at, ...alongLine(from, to, at).map((of, axis) => asInFile(axes, axis, of)), curve.values[i] as number]));
   return [row(['distance', 'x', 'y', 'z', curve.array]), ...rows, ''].join('\r\n');
 }
 /** Steps are counted from 1, as the page counts them. */

@@ -1,9 +1,10 @@
 // One layer in numbers: asked for by a button, and kept until it is asked for again. What it was of is kept beside it.
+import { asInFile } from './axes';
 import { command, type Command } from './commands';
 import { diagonal } from './camera';
 import { row } from './curve-shape';
-import type { Box, Interval, SceneState, Vec3 } from './model';
-import type { LayerStatistics } from './told';
+import type { Interval, SceneState, Vec3 } from './model';
+import type { DatasetInfo, LayerStatistics } from './told';
 
 export interface Measured {
   /** In the array that was asked for; why it is not known; null: nobody has answered yet. */
@@ -97,19 +98,21 @@ export class Measures {
   }
 }
 
-/** A place without what rounding leaves of a 0, in data of this extent. */
-export function withoutRest(place: Vec3, bounds: Box | null): Vec3 {
-  const least = bounds ? 1e-12 * diagonal(bounds) : 0;
-  return place.map((at) => (Math.abs(at) < least ? 0 : at)) as unknown as Vec3;
+type Space = Pick<DatasetInfo, 'bounds' | 'axes'>;
+
+/** As the file counts, without what rounding leaves of a 0 in data of this extent. */
+export function centroidOf({ centroid }: LayerStatistics, info?: Space | null): Vec3 {
+  const least = info?.bounds ? 1e-12 * diagonal(info.bounds) : 0;
+  return centroid.map((at, axis) => (Math.abs(at) < least ? 0 : asInFile(info?.axes, axis, at))) as unknown as Vec3;
 }
 
 /** Lines of a name, a tab, and values in all their digits: what a table takes. */
-export function statisticsText(of: LayerStatistics, layer: string, bounds: Box | null = null): string {
+export function statisticsText(of: LayerStatistics, layer: string, info?: Space | null): string {
   const size = of.flat ? 'area' : 'volume';
   const lines: [string, ...(string | number)[]][] = [
     ['layer', layer],
     [size, of.volume],
-    ['centroid', ...withoutRest(of.centroid, bounds)],
+    ['centroid', ...centroidOf(of, info)],
     ['pieces', of.pieces],
     [`${size} of the largest piece`, of.largest],
     ['array', of.array],
@@ -122,10 +125,10 @@ export function statisticsText(of: LayerStatistics, layer: string, bounds: Box |
 const columns = ['layer', 'lower end', 'upper end', 'array', 'mean', 'standard deviation', 'least', 'greatest', 'volume or area', 'with values', 'centroid x', 'centroid y', 'centroid z', 'pieces', 'largest piece'];
 
 /** The same of several layers as a table with commas, a row for each. */
-export function statisticsTable(layers: readonly { name: string; lower: number; upper: number; of: LayerStatistics }[], bounds: Box | null): string {
+export function statisticsTable(layers: readonly { name: string; lower: number; upper: number; of: LayerStatistics }[], info?: Space | null): string {
   const rows = layers.map(({ name, lower, upper, of }) => {
     const moments = of.valued > 0 ? [of.mean, of.standardDeviation, of.lower, of.upper] : ['', '', '', ''];
-    const centroid = of.pieces > 0 ? withoutRest(of.centroid, bounds) : ['', '', ''];
+    const centroid = of.pieces > 0 ? centroidOf(of, info) : ['', '', ''];
     return row([name, lower, upper, of.array, ...moments, of.volume, of.valued, ...centroid, of.pieces, of.largest]);
   });
   return [row(columns), ...rows, ''].join('\r\n');

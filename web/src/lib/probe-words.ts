@@ -1,7 +1,8 @@
 // A place of the picture in words: for the card beside it, and as text to take away.
+import { asInFile } from './axes';
 import { layerNumber } from './intervals';
 import type { SceneState } from './model';
-import type { ProbeResult } from './told';
+import type { Axis, ProbeResult } from './told';
 
 /** What the layer there is called. */
 export function probedLayer(result: ProbeResult, scene: Pick<SceneState, 'intervals' | 'terms'>): string {
@@ -30,10 +31,10 @@ export function precisely(value: number | null, span = 0): string {
 }
 
 /** Lines of a name, a tab, and values in all their digits: what a table takes. */
-export function probeText(result: ProbeResult, scene: Pick<SceneState, 'intervals' | 'terms'>): string {
+export function probeText(result: ProbeResult, scene: Pick<SceneState, 'intervals' | 'terms'>, axes?: readonly Axis[]): string {
   const lines: [string, ...(string | number)[]][] = [
     ['layer', probedLayer(result, scene)],
-    ['position', ...result.position],
+    ['position', ...result.position.map((at, axis) => asInFile(axes, axis, at))],
   ];
   if (result.cellIndex.length) lines.push(['cell i j k', ...result.cellIndex], ['nearest point i j k', ...result.pointIndex]);
   else if (result.cell !== null) lines.push(['cell', result.cell], ['nearest point', result.point ?? '']);

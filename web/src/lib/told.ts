@@ -53,6 +53,12 @@ export interface DatasetList {
 /** What has become of the files of the open dataset since they were read. */
 export type OnDisk = 'as read' | 'changed' | 'gone';
 
+export interface Axis {
+  name: string; // '': the file says none
+  unit: string; // likewise
+  downward: boolean; // the file's numbers are those of places times -1
+}
+
 export interface DatasetInfo {
   id: string;
   name: string;
@@ -61,6 +67,7 @@ export interface DatasetInfo {
   cells: number;
   cellTypes: [string, number][];
   bounds: Box | null;
+  axes?: readonly Axis[]; // x, y and z; absent: nothing is known of them
   arrays: ArrayInfo[];
   times: number[];
   missingRangeSteps: number; // that the arrays' ranges leave out until they have been read
