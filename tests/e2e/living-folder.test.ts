@@ -123,6 +123,47 @@ test('the list, the time slider and the marks follow the files', async () => {
   }
 });
 
+test('a series is found by the number of one of its files, and opens at that step', async () => {
+  const folder = mkdtempSync(join(tmpdir(), 'isostrata-e2e-numbers-'));
+  for (let i = 0; i < 5; i++) writeFileSync(join(folder, `wave_${String(10 * i).padStart(4, '0')}.nrrd`), field(4 + 3 * i));
+  writeFileSync(join(folder, 'alone.nrrd'), field(9));
+  const server = await Server.start({ data: [folder] });
+  const browser = await launch();
+  try {
+    const viewer = await Viewer.open(browser, server.ready.url, { width: 1280, height: 900 });
+    const { page } = viewer;
+    await viewer.until('the first', (state) => state.dataset.startsWith('alone') && state.intervals.length > 0);
+    await page.getByRole('button', { name: 'Browse…' }).click();
+    const files = page.getByRole('region', { name: 'Files that are served' });
+    await files.getByLabel('Search names').fill('0030');
+    await files.getByRole('button', { name: /wave_\*\.nrrd.*opens at step 4/ }).waitFor();
+    await viewer.photograph('found-by-number.png');
+    await files.getByLabel('Search names').press('Enter');
+    const opened = await viewer.until('step 4', (state) => state.dataset.startsWith('wave') && state.step === 3);
+    expect(opened.intervals.length).toBeGreaterThan(0);
+    await viewer.exactPicture();
+    // Of the dataset that is open another step is shown, and all else stays.
+    await viewer.row(opened.intervals[0]!).getByRole('button', { name: /visible/ }).click();
+    await viewer.until('hidden', ({ intervals }) => !intervals[0]!.visible);
+    await files.getByLabel('Search names').fill('wave_0010.nrrd');
+    await files.getByRole('button', { name: /opens at step 2/ }).click();
+    const other = await viewer.until('step 2', (state) => state.step === 1);
+    expect(other.intervals[0]!.visible).toBe(false);
+    // Opened without a number it is as it was left.
+    await page.getByLabel('Dataset', { exact: true }).selectOption({ label: 'alone.nrrd' });
+    await viewer.until('the other', (state) => state.dataset.startsWith('alone'));
+    await files.getByLabel('Search names').fill('wave');
+    await files.getByRole('button', { name: /wave_/ }).click();
+    const again = await viewer.until('as it was left', (state) => state.dataset.startsWith('wave') && state.step === 1 && state.intervals.length > 0 && !state.intervals[0]!.visible);
+    expect(again.step).toBe(1);
+    expect(viewer.problems).toEqual([]);
+  } finally {
+    await browser.close();
+    await server.stop();
+    rmSync(folder, { recursive: true, force: true });
+  }
+});
+
 test('of a step whose values no layer holds the page says so, and fits the layers to them', async () => {
   const folder = mkdtempSync(join(tmpdir(), 'isostrata-e2e-beyond-'));
   writeFileSync(join(folder, 'jump_1.nrrd'), field(6));

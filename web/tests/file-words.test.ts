@@ -4,7 +4,7 @@ import { fileName } from '../src/lib/save-blob';
 import type { DatasetEntry } from '../src/lib/told';
 
 const entry = (more: Partial<DatasetEntry> = {}): DatasetEntry => ({
-  id: 'a', name: 'a.vtk', kind: 'legacy VTK', bytes: 0, changedMs: 0, files: 1, steps: 0, news: 'none', noticedMs: 0, writing: false, ...more,
+  id: 'a', name: 'a.vtk', kind: 'legacy VTK', bytes: 0, changedMs: 0, files: 1, steps: 0, news: 'none', noticedMs: 0, writing: false, foundStep: 0, ...more,
 });
 
 describe('words of the list of files', () => {

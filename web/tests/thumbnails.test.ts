@@ -14,6 +14,7 @@ const entry: DatasetEntry = {
   news: 'none',
   noticedMs: 0,
   writing: false,
+  foundStep: 0,
 };
 
 /** A server that answers when the test says so. */

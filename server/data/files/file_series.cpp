@@ -291,6 +291,23 @@ std::vector<SeriesFile> series_files(const fs::path& pattern) {
   return files;
 }
 
+int EqualSteps::place_of(std::uint64_t number, int files) const {
+  if (stride == 0 || number < first || (number - first) % stride != 0) return -1;
+  const std::uint64_t place = (number - first) / stride;
+  return place < static_cast<std::uint64_t>(files) ? static_cast<int>(place) : -1;
+}
+
+EqualSteps equal_steps(const std::string& pattern, const std::vector<std::string>& names) {
+  if (names.size() < 2) return {};
+  std::vector<std::uint64_t> numbers;
+  for (std::size_t i = 0; i < names.size(); ++i)
+    if (!matches(names[i], pattern, numbers) || numbers.size() != i + 1) return {};
+  const std::uint64_t stride = numbers[1] - numbers[0];
+  for (std::size_t i = 1; i < numbers.size(); ++i)
+    if (numbers[i] <= numbers[i - 1] || numbers[i] - numbers[i - 1] != stride) return {};
+  return {numbers[0], stride, static_cast<int>(names[0].size() + 1 - pattern.size())};
+}
+
 std::vector<NameGroup> group_by_number(std::vector<std::string> names) {
   std::vector<NameGroup> groups;
   std::map<std::string, std::vector<Name>> alike;

@@ -24,6 +24,17 @@ bool names_pictures(const std::filesystem::path& path);
 /// and where one of a pattern below a root (beneath.h) is a link that leads out of it; too_large above 100000.
 std::vector<SeriesFile> series_files(const std::filesystem::path& pattern);
 
+/// Numbers that count in equal steps, as those in the names of most series do: wave_0100, wave_0200.
+struct EqualSteps {
+  std::uint64_t first = 0, stride = 0;  // stride 0: the numbers do not, or there are several in a name
+  int digits = 0;                       // of the shortest; a number of fewer has zeros before it
+
+  /// Which of so many files has the number, from 0; -1: none.
+  int place_of(std::uint64_t number, int files) const;
+};
+/// Of the names of a pattern's files in their order.
+EqualSteps equal_steps(const std::string& pattern, const std::vector<std::string>& names);
+
 struct NameGroup {
   std::string name;                  // of the file, or the pattern of several
   std::vector<std::string> members;  // one or more, in the order of their numbers

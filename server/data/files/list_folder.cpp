@@ -74,11 +74,14 @@ class Listing {
     entry.kind = kind;
     entry.files = static_cast<int>(files.size());
     entry.settled = 0;
+    std::vector<std::string> names;
     for (const LookedAt* file : files) {
+      names.push_back(file->name);
       note(entry, folder, *file);
       if (files.size() > 1) entry.marks.push_back(entry.mark);
       if (!entry.writing) ++entry.settled;
     }
+    entry.numbers = equal_steps(source.filename().string(), names);
     return &entry;
   }
 
@@ -153,6 +156,7 @@ class Listing {
       entry.source = (folder / group.name).string();
       entry.kind = FileKind::amrex;
       entry.files = static_cast<int>(group.members.size());
+      entry.numbers = equal_steps(group.name, group.members);
       entry.settled = 0;
       for (const std::string& member : group.members) {
         const FolderContents& contents = folders_.at(folder / member);

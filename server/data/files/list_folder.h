@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "data/files/file_formats.h"
+#include "data/files/file_series.h"
 #include "data/files/look_at_folder.h"
 
 namespace isostrata {
@@ -20,6 +21,7 @@ struct FolderEntry {
   std::uint64_t bytes = 0;   // of all its files
   std::int64_t changed = 0;  // when the newest of them was, in milliseconds since 1970
   int files = 1;             // steps or slices that are files of their own; of a folder that is one data set, 1
+  EqualSteps numbers{};      // in the names of these
   // Of its numbered files, of those that it lists, of the times of an OpenFOAM case: what mark_of gives for the first, for the first two and so on. The data set
   // has grown if what it had is the beginning of what it has. Empty if it is one file.
   std::vector<std::uint64_t> marks{};

@@ -124,6 +124,9 @@ CatalogueEntry Catalogue::entry_of(const fs::path& path) {
     const std::vector<SeriesFile> files = series_files(path);
     first = files.front().path;
     entry.files = static_cast<int>(files.size());
+    std::vector<std::string> names;
+    for (const SeriesFile& file : files) names.push_back(file.path.filename().string());
+    entry.numbers = equal_steps(entry.name, names);
     entry.source = marked_pattern(fs::absolute(path)).string();
   } else {
     const fs::path real = fs::canonical(path);
@@ -148,6 +151,7 @@ CatalogueEntry Catalogue::entry_of(const fs::path& root, const FolderEntry& list
   const bool lists_steps = listed.kind == FileKind::pvd || listed.kind == FileKind::series || listed.kind == FileKind::openfoam;
   entry.one_step = slices || (listed.files <= 1 && !lists_steps);
   entry.writing = listed.writing;
+  entry.numbers = listed.numbers;
   entry.parts = std::max(1, static_cast<int>(listed.marks.size()));
   // What a reader may find otherwise than it was listed: of lists, cases and folders too much to look at again after each reading.
   const bool numbered = listed.files > 1 && is_series_pattern(listed.source);

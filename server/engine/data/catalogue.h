@@ -34,6 +34,7 @@ struct CatalogueEntry {
   std::int64_t noticed_unix_ms = 0;  // when
   // Counts contents: one more if what had been there was rewritten, removed or put into another order. Steps that follow at the end change nothing of it.
   std::uint32_t version = 0;
+  EqualSteps numbers{};    // in the names of its files
   int parts = 1;           // of this version that are complete: numbered files, files of a list, times of an OpenFOAM case
   std::uint64_t mark = 0;  // mark_on_disk of the source with so many files, which whoever has read it compares; 0: nothing is known
 };

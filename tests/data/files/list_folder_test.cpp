@@ -93,6 +93,34 @@ TEST(GroupByNumber, TheLastNumberCountsStepsAndThoseBeforeItKeepSeriesApart) {
   EXPECT_EQ(group_by_number({"p_10.vtu", "p_9.vtu"}).front().members, (std::vector<std::string>{"p_9.vtu", "p_10.vtu"}));
 }
 
+TEST(EqualStepsOfNames, FindEachFileAndNoOtherNumber) {
+  std::mt19937 random(20147);
+  const auto pick = [&](int least, int most) { return std::uniform_int_distribution<int>(least, most)(random); };
+  for (int round = 0; round < 50; ++round) {
+    const int first = pick(0, 300), stride = pick(1, 40), files = pick(2, 60), digits = pick(1, 6);
+    std::vector<std::string> names;
+    for (int i = 0; i < files; ++i) {
+      std::string number = std::to_string(first + i * stride);
+      number.insert(0, std::max<std::size_t>(number.size(), digits) - number.size(), '0');
+      names.push_back("t2_" + number + ".vtu");
+    }
+    const EqualSteps steps = equal_steps("t2_*.vtu", names);
+    std::map<int, int> places;
+    for (int i = 0; i < files; ++i) places[first + i * stride] = i;
+    for (int number = 0; number < first + (files + 2) * stride; ++number)
+      EXPECT_EQ(steps.place_of(static_cast<std::uint64_t>(number), files), places.contains(number) ? places[number] : -1) << names.front() << " by " << stride << ": " << number;
+    EXPECT_EQ(steps.digits, static_cast<int>(names.front().size() - 7));
+  }
+}
+
+TEST(EqualStepsOfNames, OfOtherNumbersThereAreNone) {
+  EXPECT_EQ(equal_steps("p_*.vtu", {"p_1.vtu", "p_2.vtu", "p_4.vtu"}).stride, 0u);
+  EXPECT_EQ(equal_steps("p_*.vtu", {"p_1.vtu"}).stride, 0u);
+  EXPECT_EQ(equal_steps("p_*.vtu", {"p_1.vtu", "p_01.vtu"}).stride, 0u);
+  EXPECT_EQ(equal_steps("p_*_*.vtu", {"p_1_1.vtu", "p_2_2.vtu"}).stride, 0u);
+  EXPECT_EQ(equal_steps("can.e-s*", {"can.e", "can.e-s0002"}).stride, 0u);
+}
+
 TEST(GroupByNumber, ADecimalNumberIsOneNumber) {
   EXPECT_EQ(grouped({"U_0.05.vtk", "U_0.1.vtk", "U_0.15.vtk", "U_0.2.vtk", "U_1.0.vtk", "U_1.05.vtk", "U_10.0.vtk"}), (Groups{{"U_*.*.vtk", 7}}));
   EXPECT_EQ(group_by_number({"U_0.05.vtk", "U_0.1.vtk", "U_0.15.vtk", "U_1.0.vtk"}).front().members, (std::vector<std::string>{"U_0.05.vtk", "U_0.1.vtk", "U_0.15.vtk", "U_1.0.vtk"}));

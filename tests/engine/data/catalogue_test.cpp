@@ -64,6 +64,18 @@ TEST_F(CatalogueFiles, BlocksThatAFileListsAreNoSteps) {
   EXPECT_EQ(one_step, (std::map<std::string, bool>{{"parts.vtm", true}, {"time.pvd", false}}));
 }
 
+TEST_F(CatalogueFiles, TheNumbersOfASeriesAreKnownWhetherItIsNamedOrFound) {
+  for (const char* name : {"wave_0010", "wave_0020", "wave_0030"}) root_.write("more/" + std::string(name) + ".vtk", "# vtk DataFile Version 3.0\n");
+  for (const std::string& source : {(root_ / "more").string(), (root_ / "more/wave_*.vtk").string()}) {
+    const Catalogue catalogue = Catalogue::from_sources({source});
+    ASSERT_EQ(catalogue.entries().size(), 1u) << source;
+    const CatalogueEntry& entry = catalogue.entries().front();
+    EXPECT_EQ(entry.numbers.place_of(30, entry.files), 2) << source;
+    EXPECT_EQ(entry.numbers.place_of(15, entry.files), -1) << source;
+    EXPECT_EQ(entry.numbers.digits, 4) << source;
+  }
+}
+
 TEST_F(CatalogueFiles, ADirectoryOffersWhatCanBeReadInsideItself) {
   const auto catalogue = Catalogue::from_sources({(root_ / "data").string()});
   std::set<std::string> names, ids;

@@ -26,6 +26,7 @@ export interface DatasetEntry {
   news: DatasetNews;
   noticedMs: number;
   writing: boolean;
+  foundStep: number; // from 1: the step of the file that the words of a search name; 0: none
 }
 
 export interface DatasetFolder {

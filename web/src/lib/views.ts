@@ -13,7 +13,7 @@ import type { Visits } from './visits';
 
 export interface ViewsDoors {
   scene: SceneView;
-  edits: Pick<Edits, 'openDataset'>;
+  edits: Pick<Edits, 'openDataset' | 'setStep'>;
   history: Pick<History, 'note' | 'touched' | 'opens' | 'arrived' | 'stayed'>;
   notices: Notices;
   dataset: OpenDataset;
@@ -31,18 +31,29 @@ const mostTries = 5; // of datasets that nobody has asked for
 export class Views {
   /** Which dataset is opened without anybody's asking; null: somebody has chosen. */
   #tried: number | null = null;
+  /** Where to go in the dataset that is on its way. */
+  #step: { dataset: string; step: number; steps: number } | null = null;
 
   constructor(private readonly doors: ViewsDoors) {}
 
-  /** As it was left in this tab, if it was. */
-  openDataset(id: string): void {
+  /** As it was left in this tab, if it was. A step that is asked for, from 0, is gone to if the dataset has as many as `steps`. */
+  openDataset(id: string, step = -1, steps = 0): void {
     const { edits, history, visits, recovery, scene } = this.doors;
     this.#tried = null;
+    this.#step = step < 0 ? null : { dataset: id, step, steps };
+    if (id === scene.server.dataset && this.#step) return this.#goToStep();
     history.opens(id);
     edits.openDataset(id);
     const left = visits.of(id);
     if (left && id !== scene.server.dataset) recovery.bring(left, 'again', true);
     else recovery.giveUp();
+  }
+  #goToStep(): void {
+    const { dataset, edits, recovery, scene } = this.doors;
+    const asked = this.#step;
+    if (!asked || recovery.active || scene.server.dataset !== asked.dataset || dataset.info?.id !== asked.dataset) return;
+    this.#step = null;
+    if (dataset.info.times.length === asked.steps) edits.setStep(asked.step);
   }
   /** What is shown, with its camera; not the dataset that is on its way. */
   get shown(): SceneState {
@@ -80,6 +91,7 @@ export class Views {
   }
   /** A dataset cannot be opened. If nobody has asked for it, perhaps the next one can. */
   failed(): void {
+    this.#step = null;
     this.doors.recovery.giveUp();
     this.doors.history.stayed();
     if (this.#tried === null || ++this.#tried >= mostTries) this.#tried = null;
@@ -109,7 +121,7 @@ export class Views {
       if (step.done && cause === 'again') this.#sayBack(scene.server);
       if (step.done && cause === 'file') notices.say('The view is opened.', 'note');
     }
-    if (step.kind !== 'impossible') return;
+    if (step.kind !== 'impossible') return this.#goToStep();
     if (step.reason) notices.say(step.reason);
     history.stayed();
     if (cause === 'loss') this.openFirst();
