@@ -1,5 +1,7 @@
 #include "base/program_file.h"
 
+#include <dlfcn.h>
+
 #include <cinttypes>
 #include <cstdint>
 #include <cstdio>
@@ -26,6 +28,13 @@ fs::path file_of_this_code() {
   return {};
 }
 
+/// As whoever started the program called it: a process that is shut in without a /proc of its own may not read its maps, but it was started by a whole path.
+fs::path file_by_its_call() {
+  Dl_info found{};
+  const bool known = dladdr(reinterpret_cast<const void*>(&file_of_this_code), &found) != 0 && found.dli_fname != nullptr;
+  return known && *found.dli_fname == '/' ? fs::path(found.dli_fname) : fs::path();
+}
+
 fs::path started_file() {
   std::error_code error;
   return fs::read_symlink("/proc/self/exe", error);
@@ -34,7 +43,10 @@ fs::path started_file() {
 }  // namespace
 
 fs::path program_file() {
-  static const fs::path file = file_of_this_code();
+  static const fs::path file = [] {
+    fs::path mapped = file_of_this_code();
+    return mapped.empty() ? file_by_its_call() : mapped;
+  }();
   return file;
 }
 

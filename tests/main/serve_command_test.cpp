@@ -174,6 +174,17 @@ TEST_F(ServeCommand, TheClientTakesAPictureAndMeasures) {
   EXPECT_LE(latency.at("p95").to_number<double>(), latency.at("max").to_number<double>());
 }
 
+// The module that reads pictures lies beside the programs, which a reader that is shut in finds as well as any other.
+TEST_F(ServeCommand, PicturesAreReadByAServerThatIsShutIn) {
+  std::string picture = "P5 32 24 255\n";
+  for (int i = 0; i < 32 * 24; ++i) picture.push_back(static_cast<char>(i % 32 * 8));
+  for (const char* name : {"pictures/slice_1.pgm", "pictures/slice_2.pgm", "pictures/slice_3.pgm"}) directory_.write(name, picture);
+  SERVE_OR_SKIP({(directory_ / "pictures").string(), "--state-dir", "none"});
+  ASSERT_EQ(run("isostrata-client", {url_, "info", "--json"}), 0) << read_text(errors());
+  const std::string id(json::parse(read_text(out())).at("datasets").at(0).at("id").as_string());
+  EXPECT_EQ(run("isostrata-client", {url_, "snapshot", "--dataset", id, "--interval", "50:200", "--size", "64x48", "--out", (directory_ / "a.png").string()}), 0) << read_text(errors());
+}
+
 TEST_F(ServeCommand, TwoPicturesOfOneStateAreTheSameBytes) {
   SERVE_OR_SKIP({"torus:12"});
   std::vector<std::string> pictures;
