@@ -58,6 +58,7 @@ beforeAll(async () => {
       '<DataSet timestep="0" part="0" file="a.vtu"/><DataSet timestep="0" part="1" file="b.vtu"/></Collection></VTKFile>',
   );
   writeFileSync(join(folder, 'points.vtk'), points(1234));
+  writeFileSync(join(folder, 'broken.vtk'), '# vtk DataFile Version 3.0\nbroken\nASCII\nDATASET STRUCTURED_POINTS\nDIMENSIONS 9 9\n');
   writeFileSync(join(folder, 'constant.npy'), constant(4));
   writeFileSync(join(folder, 'nan.npy'), constant(Number.NaN));
   const files = ['points.vtk', 'two-parts.pvd', 'constant.npy', 'nan.npy'].map((name) => join(folder, name));
@@ -157,4 +158,19 @@ test('a picture beside which the layers lie says so until they are in it again',
   await expect.poll(() => viewport.innerText()).not.toContain('None of the layers');
   expect(drawnPixels(await viewer.exactPicture())).toBeGreaterThan(0);
   await viewer.close();
+});
+
+test('where nothing can be opened no button works on a picture, and nothing is said of layers to draw', async () => {
+  const broken = await Server.start({ data: [join(folder, 'broken.vtk')] });
+  try {
+    const viewer = await Viewer.open(browser, broken.ready.url);
+    await viewer.page.getByRole('alert').first().waitFor();
+    const working = await viewer.page.getByRole('group', { name: 'Views' }).getByRole('button', { disabled: false }).evaluateAll((all) => all.map((of) => of.getAttribute('aria-label') ?? of.textContent));
+    expect(working).toEqual(['Full screen']);
+    expect(await viewer.page.getByText('Drag across the histogram').count()).toBe(0);
+    expect(await viewer.page.getByText('Choose a dataset to begin.').count()).toBe(1);
+    await viewer.close();
+  } finally {
+    await broken.stop();
+  }
 });

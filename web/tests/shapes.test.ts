@@ -3,7 +3,7 @@ import { hexOf, luminance, newIntervalColor, rgbOfHex } from '../src/lib/colors'
 import { barHeights, barPath } from '../src/lib/histogram-shape';
 import { RateMeter, Smoothed } from '../src/lib/meter';
 import type { Rgb } from '../src/lib/model';
-import { formatBytes, formatCount, formatNumber, formatRange, niceStep, roundTo, ticks, tickText, timeText } from '../src/lib/ticks';
+import { formatBytes, formatCount, formatNumber, formatRange, niceStep, roundTo, ticks, tickText, timeText, wholeText } from '../src/lib/ticks';
 import { viewportPixels } from '../src/lib/viewport-size';
 import { seeded } from './random';
 
@@ -40,6 +40,14 @@ test('ticks are told apart, and a short range has the digits that tell its ends 
   expect(formatRange(0.1 + 0.2, 4.97749)).toEqual(['0.3', '4.9775']);
   expect(formatRange(7, 7)).toEqual(['7', '7']);
   expect(formatRange(-Infinity, Infinity)).toEqual(['−∞', '∞']);
+});
+
+test('a number that is typed has all its digits, and those of small ones are not all zeros', () => {
+  for (let power = -300; power < 300; power++) {
+    const value = (power % 2 ? -1.2345678901234567 : 1 / 3) * 10 ** power;
+    expect(Number(wholeText(value))).toBe(value);
+  }
+  expect([0, 0.25, 1e-4, 0.000001408, -7.34e-7, 1000000, Infinity, -Infinity].map(wholeText)).toEqual(['0', '0.25', '0.0001', '1.408e-6', '-7.34e-7', '1000000', 'inf', '-inf']);
 });
 
 test('numbers are short and right to the digits shown', () => {

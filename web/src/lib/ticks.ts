@@ -31,6 +31,12 @@ export function formatNumber(value: number, digits = 5): string {
   return size < 1e-4 || (size >= 1e6 && plain.length + 1 >= power.length) ? power : plain;
 }
 
+/** All digits of a number, as it is typed: 0.25, 1.408e-6, inf. */
+export function wholeText(value: number): string {
+  if (!Number.isFinite(value)) return value > 0 ? 'inf' : '-inf';
+  return value !== 0 && Math.abs(value) < 1e-4 ? value.toExponential() : String(value);
+}
+
 /** Of a tick, which is round: the whole of it. */
 export const tickText = (value: number): string => formatNumber(value, 12);
 
