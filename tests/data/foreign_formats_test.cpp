@@ -265,10 +265,43 @@ TEST_F(ForeignFormats, MeshesOfGmshAndCalculixThatAreRefusedSayWhy) {
   expect("two_text.msh", "\n60\n500 0.0", "\n60\n501 0.0", ErrorCode::bad_data, "a value for element 501, which is not there");
   expect("two_text.msh", "\"f\"\n1\n0.5\n3\n0\n1\n", "\"f\"\n1\n0.5\n3\n0\n900\n", ErrorCode::bad_data, "900 components");
   expect("two_text.msh", "\"f\"\n1\n0.5", "\"f\"\n1\nnan", ErrorCode::bad_data, "not a finite number");
+  expect("points.dat", "I=6", "I=7", ErrorCode::bad_data, "ends within the numbers of a zone");
+  expect("points.dat", "I=6", "I=0", ErrorCode::bad_data, "I of a zone is '0'; expected a whole number of at least 1");
+  expect("points.dat", "I=6", "I=60000000000", ErrorCode::bad_data, "ends within the numbers of a zone");
+  expect("blocks.tec", "59*2.5", "6000000*2.5", ErrorCode::bad_data, "repeated beyond its zone");
+  expect("blocks.tec", "FEBRICK", "FEPOLYHEDRON", ErrorCode::unsupported, "a zone of type fepolyhedron");
+  expect("blocks.tec", "\n1 2 8 7 ", "\n1 2 800 7 ", ErrorCode::bad_data, "element 1 of zone 1 has node 800; there are 120");
+  expect("blocks.tec", "\n1 2 8 7 ", "\n1 2 0 7 ", ErrorCode::bad_data, "element 1 of zone 1 has node 0; there are 120");
+  expect("steps.dat", "([1-3]=1)", "([1-3]=7)", ErrorCode::bad_data, "'7' as the number of a zone before this one");
+  expect("steps.dat", "([1-3]=1)", "([1-9]=1)", ErrorCode::bad_data, "variable 5 in '([1-9]=1)'; there are 4");
+  expect("ordered.plt", "#!TDV112", "#!TDV107", ErrorCode::unsupported, "version 107 of Tecplot's binary format; expected 112");
   expect("short.frd", "         120", "       12000", ErrorCode::bad_data, "12000 as the number of nodes");
   expect("short.frd", " -1  500    1", " -1  500   13", ErrorCode::bad_data, "element 500 is of type 13");
   expect("short.frd", " -1 1001 0.00000E+00", " -1  999 0.00000E+00", ErrorCode::bad_data, "two nodes of number 999");
   expect("short.frd", " 0.00000E+00", " 0.0000xE+00", ErrorCode::bad_data, "expected a place in column 9");
+}
+
+TEST_F(ForeignFormats, BricksOfTecplotWhoseNodesFallTogetherAreSimplerCells) {
+  const auto data = test::open(file("simple.dat"));
+  ASSERT_EQ(data->grid.cell_count(), 5);
+  EXPECT_EQ(data->cell_types, (std::map<std::string, std::int64_t>{{"tetrahedron", 1}, {"pyramid", 1}, {"wedge", 3}}));
+  const double volumes[] = {1.0 / 6, 1.0 / 3, 0.5, 0.5, 0.5};
+  for (std::int64_t cell = 0; cell < 5; ++cell) EXPECT_NEAR(std::abs(test::cell_volume(data->grid, cell)), volumes[cell], 1e-12) << cell;
+}
+
+TEST_F(ForeignFormats, CellsOfTecplotHaveTheirOwnValues) {
+  for (const auto& [name, array] : {std::pair{"ordered.plt", "q"}, {"other_order.plt", "q"}}) {
+    const auto data = test::open(file(name));
+    const PointArray& of = data->array(array);
+    ASSERT_TRUE(of.cells) << name;
+    const PointArray cells = as_array(*of.cells, array);
+    std::size_t n = 0;
+    for (int k = 0; k < 3; ++k)
+      for (int j = 0; j < 4; ++j)
+        for (int i = 0; i < 5; ++i, ++n) EXPECT_EQ(cells.at(n), i + 10 * j + 100 * k) << name;
+    EXPECT_EQ(data->array("p").unit, "Pa");
+  }
+  EXPECT_EQ(axis_title(test::open(file("points.dat"))->axes, 2), "z (m)");
 }
 
 TEST_F(ForeignFormats, ASliceOpensItsSeriesAndNoOtherOfTheFolder) {
@@ -288,7 +321,7 @@ TEST_F(ForeignFormats, ASliceOpensItsSeriesAndNoOtherOfTheFolder) {
 TEST_F(ForeignFormats, CutOffFilesAreErrorsAndMutatedOnesEndInADatasetOrAnError) {
   std::vector<std::pair<std::string, std::string>> files;
   for (const std::string name : {"c_order.npy", "vectors.npy", "classic.nc", "four.nc", "image.vtkhdf", "cells.hdf", "structured.cgns", "unstructured.cgns",
-                                 "scaled.nii", "turned.nii", "orbitals.cube", "grids.xsf", "CHGCAR", "head.mgh", "short.mgz", "two_text.msh", "two_binary.msh", "four_text.msh", "four_binary.msh", "second_12_6.msh", "short.frd", "doubles.frd", "scan/picture1.dcm", "plain.h5", "kinds.h5", "links.h5", "gaps3.nc", "types.nc", "stored.npz", "packed.npz"})
+                                 "scaled.nii", "turned.nii", "orbitals.cube", "grids.xsf", "CHGCAR", "head.mgh", "short.mgz", "two_text.msh", "two_binary.msh", "four_text.msh", "four_binary.msh", "second_12_6.msh", "short.frd", "doubles.frd", "points.dat", "blocks.tec", "steps.dat", "ordered.plt", "steps.plt", "scan/picture1.dcm", "plain.h5", "kinds.h5", "links.h5", "gaps3.nc", "types.nc", "stored.npz", "packed.npz"})
     files.emplace_back(file(name).filename().string(), test::read_bytes(file(name)));
   const Scratch scratch;
   for (const auto& [name, bytes] : files) {

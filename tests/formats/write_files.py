@@ -21,6 +21,7 @@ import hdf5_files
 import mesh_files
 import netCDF4
 import netcdf_files
+import tecplot_files
 import numpy as np
 import PIL.Image
 import PIL.TiffImagePlugin
@@ -718,6 +719,7 @@ def main():
     vasp()
     freesurfer()
     mesh_files.write(expect)
+    tecplot_files.write(FIELD, expect)
     openfoam_cases()
     ensight()
     older_and_binary_ensight()

@@ -85,6 +85,15 @@ bool begins_as_meta_image(std::string_view head) {
   return head.starts_with("ObjectType") && head.substr(0, head.find('\n')).find("Image") != std::string_view::npos && head.find("\nElementDataFile") != std::string_view::npos;
 }
 
+/// Behind remarks a record of Tecplot's text, and a list of variables.
+bool begins_as_tecplot(std::string_view head) {
+  const auto skip = [&] { head.remove_prefix(std::min(head.find_first_not_of(" \t\r\n"), head.size())); };
+  for (skip(); head.starts_with('#'); skip()) head.remove_prefix(std::min(head.find('\n'), head.size()));
+  const std::string small = small_letters(std::string(head));
+  const std::string first = small.substr(0, small.find_first_of(" \t\r\n=\""));
+  return (first == "title" || first == "variables" || first == "filetype") && small.find("variables") != std::string::npos;
+}
+
 /// The first files of a folder, in no order.
 bool any_file(const fs::path& folder, int most, bool (*is)(const fs::path&)) {
   std::error_code error;
@@ -290,6 +299,7 @@ Recognised recognise(const fs::path& path) {
     return {FileKind::tiff, {}};
   }
   if (head.starts_with("$MeshFormat") || (head.starts_with("$Comments") && head.find("\n$MeshFormat") != std::string::npos)) return {FileKind::gmsh, {}};
+  if (head.starts_with("#!TDV") || (ends_with_one_of(file, extensions_of(FileKind::tecplot)) && begins_as_tecplot(head))) return {FileKind::tecplot, {}};
   if (head.starts_with("$NOD")) throw Error(ErrorCode::unsupported, name + ": is of version 1 of Gmsh's format; expected 2.2 or 4.1: gmsh IN.msh -save -format msh41 -o OUT.msh");
   if (begins_as_meta_image(head)) return {FileKind::meta_image, {}};
   for (const FileKind kind : {FileKind::meta_image, FileKind::slc, FileKind::series, FileKind::xdmf, FileKind::gaussian_cube, FileKind::xsf, FileKind::frd, FileKind::ensight, FileKind::cgns})

@@ -42,6 +42,7 @@ bool says_what_it_reads(FileKind kind) {
     case FileKind::mgh:
     case FileKind::gmsh:
     case FileKind::frd:
+    case FileKind::tecplot:
     case FileKind::netcdf:
     case FileKind::slc:
       return true;

@@ -28,7 +28,7 @@ constexpr std::pair<FileKind, Reader> kReaders[] = {
     {FileKind::slc, read_slc},               {FileKind::gaussian_cube, read_gaussian_cube},
     {FileKind::xsf, read_xsf},               {FileKind::vasp, read_vasp},
     {FileKind::mgh, read_mgh},               {FileKind::gmsh, read_gmsh},
-    {FileKind::frd, read_frd},
+    {FileKind::frd, read_frd},               {FileKind::tecplot, read_tecplot},
     {FileKind::plot3d, read_plot3d},         {FileKind::gzip, read_gzip},
     {FileKind::zarr, read_zarr},             {FileKind::vtk_levels, read_vtk_levels},
     {FileKind::amrex, read_amrex},           {FileKind::hyper_tree, read_hyper_tree},

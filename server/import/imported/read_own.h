@@ -41,6 +41,9 @@ Imported read_mgh(const ReadRequest& request);
 /// Gmsh's .msh: its nodes and elements, with the values that stand there too.
 Imported read_gmsh(const ReadRequest& request);
 
+/// Tecplot's text, and its binary format since 2009.
+Imported read_tecplot(const ReadRequest& request);
+
 /// CalculiX's .frd.
 Imported read_frd(const ReadRequest& request);
 
