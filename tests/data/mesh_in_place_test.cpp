@@ -194,6 +194,15 @@ TEST_F(MeshInPlace, TwoOfThemAreBlocksOfOneDataset) {
   EXPECT_NE(std::find(notes.begin(), notes.end(), "blocks: air, heater"), notes.end());
 }
 
+TEST_F(MeshInPlace, AListOfBlocksHasTheTimeThatItSays) {
+  write("a.vtu", {.of_cells = false});
+  for (const auto& [name, time] : {std::pair{"run_20.vtm", "0.02"}, {"run_45.vtm", "0.045"}})  // foamToVTK's names count the steps of the solver
+    data.write(name, "<?xml version='1.0'?>\n<VTKFile type='vtkMultiBlockDataSet' version='1.0' byte_order='LittleEndian'><vtkMultiBlockDataSet><DataSet name='internal' file='a.vtu' />"
+                     "</vtkMultiBlockDataSet><FieldData><DataArray type='Float32' Name='TimeValue' NumberOfTuples='1' format='ascii'>\n" + std::string(time) + "\n</DataArray></FieldData></VTKFile>");
+  EXPECT_EQ(open_import(data / "run_45.vtm", options, Task())->times, std::vector<double>{0.045});
+  EXPECT_EQ(open_import(data / "run_*.vtm", options, Task())->times, (std::vector<double>{0.02, 0.045}));
+}
+
 TEST_F(MeshInPlace, AStepOnTheMeshOfOneInMemoryBringsItsValuesAlone) {
   const auto swapped = [](std::vector<Cell>& cells) { std::swap(cells[5].ids[0], cells[5].ids[1]); };
   const std::vector<Ways> steps{{.of_cells = false},

@@ -1,6 +1,7 @@
 #include <cstring>
 
 #include "data/files/recognise.h"
+#include "import/imported/declared_time.h"
 #include "import/imported/list_file.h"
 #include "import/imported/read_file.h"
 #include "import/imported/read_own.h"
@@ -66,6 +67,7 @@ Imported read_multi_block(const ReadRequest& request) {
     imported.notes.insert(imported.notes.end(), one.notes.begin(), one.notes.end());
     if (one.times != std::vector<double>{0.0}) imported.times = {one.times.front()};
   }
+  if (const auto time = declared_time(request.file)) imported.times = {*time};
   if (imported.blocks.empty()) throw Error(ErrorCode::unsupported, name + ": holds surfaces alone; expected a grid whose cells have a volume");
   if (surfaces > 0) imported.notes.push_back(std::to_string(surfaces) + " surfaces skipped: other blocks have grids");
   return imported;

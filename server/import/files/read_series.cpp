@@ -91,7 +91,7 @@ Imported read_listed(const ReadRequest& request, const std::vector<Listed>& step
 std::vector<double> times_of(const std::filesystem::path& file, const ReadRequest& request) {
   const FileKind kind = recognise(file).kind;
   if (kind == FileKind::amrex) return {read_amrex_header(file).time};
-  if (kind == FileKind::vtk_xml || kind == FileKind::vtk_legacy) {
+  if (kind == FileKind::vtk_xml || kind == FileKind::vtk_legacy || kind == FileKind::multi_block) {
     const std::optional<double> time = declared_time(file);
     return time ? std::vector<double>{*time} : std::vector<double>{};
   }

@@ -63,8 +63,9 @@ std::optional<double> of_legacy(std::string_view head, std::string_view array) {
 }  // namespace
 
 std::optional<double> declared_time(const std::filesystem::path& file) {
-  const std::string head = file_beginning(file, 64 << 10);
+  std::string head = file_beginning(file, 64 << 10);
   const bool xml = head.find("<VTKFile") != std::string::npos;
+  if (xml) std::replace(head.begin(), head.end(), '\'', '"');  // OpenFOAM's lists have these
   for (const char* array : {"TimeValue", "TIME"})
     if (const auto time = xml ? of_xml(file, head, array) : of_legacy(head, array)) return time;
   return std::nullopt;
