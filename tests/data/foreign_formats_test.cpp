@@ -94,7 +94,7 @@ TEST_F(ForeignFormats, HoldWhatWasWritten) {
 TEST_F(ForeignFormats, UnitsAreThoseOfTheFiles) {
   const std::tuple<const char*, const char*, const char*> units[] = {
       {"of_root.nc", "T", "K"}, {"climate.zarr", "T", "K"}, {"climate.zarr", "packed", ""}, {"climate3.zarr", "T", "K"}, {"parted", "p", "m2/s2"}, {"collated_binary", "p", "m2/s2"},
-      {"CHGCAR", "charge density", "e/Å³"}, {"LOCPOT", "potential", "eV"}};
+      {"sizes.h5", "t0/channel0", "counts"}, {"sizes.h5", "t0/other", "V"}, {"CHGCAR", "charge density", "e/Å³"}, {"LOCPOT", "potential", "eV"}};
   for (const auto& [name, array, unit] : units) EXPECT_EQ(test::open(file(name))->array(array).unit, unit) << name << ": " << array;
 }
 
@@ -108,7 +108,7 @@ TEST_F(ForeignFormats, AxesAreThoseOfTheFiles) {
                          Said{"climate.zarr", "lon (degrees_east)", "lat (degrees_north)", "lev (m)"}, Said{"deep.nc", "longitude (degrees_east)", "latitude (degrees_north)", "deep (m)", true},
                          Said{"of_root.nc", "lon (degrees_east)", "lat (degrees_north)", "lev (m)"}, Said{"scaled.nii", "x (mm)", "y (mm)", "z (mm)"}, Said{"orbitals.cube", "x (Bohr)", "y (Bohr)", "z (Bohr)"},
                          Said{"CHGCAR", "x (Angstrom)", "y (Angstrom)", "z (Angstrom)"}, Said{"grids.xsf", "x (Angstrom)", "y (Angstrom)", "z (Angstrom)"}, Said{"head.mgh", "x (mm)", "y (mm)", "z (mm)"},
-                         Said{"scan/picture1.dcm", "x (mm)", "y (mm)", "z (mm)"}, Said{"parted", "x (m)", "y (m)", "z (m)"}, Said{"plain.h5", "x", "y", "z"}}) {
+                         Said{"scan/picture1.dcm", "x (mm)", "y (mm)", "z (mm)"}, Said{"parted", "x (m)", "y (m)", "z (m)"}, Said{"sizes.h5", "x (µm)", "y (µm)", "z (µm)"}, Said{"plain.h5", "x", "y", "z"}}) {
     const auto data = test::open(file(of.name));
     EXPECT_EQ(axis_title(data->axes, 0), of.x) << of.name;
     EXPECT_EQ(axis_title(data->axes, 1), of.y) << of.name;

@@ -87,7 +87,19 @@ def empty(field, lattice):
     lattice("beside_empty.h5", {"b": [0, 345, 0]}, [0, 5, 0, 4, 0, 3], [5, 3, 2, "b", 235])
 
 
+def sizes(field, lattice):
+    """As Fiji and ilastik say how large an element is, z first, in micrometres; units as h5py and as Fortran write them."""
+    with h5py.File("sizes.h5", "w") as file:
+        file["t0/channel0"] = field
+        file["t0/channel0"].attrs["element_size_um"] = np.array([2, 0.5, 0.25], "f4")
+        file["t0/channel0"].attrs["units"] = "counts"
+        file["t0/other"] = field
+        file["t0/other"].attrs["Units"] = np.bytes_("V  ")
+    lattice("sizes.h5", {"t0/channel0": [0, 345, 0]}, [0, 1.25, 0, 2, 0, 6], [1.25, 1.5, 4, "t0/channel0", 235])
+
+
 def write(field, lattice):
+    sizes(field, lattice)
     empty(field, lattice)
     imaris(field, lattice)
     links(field, lattice)

@@ -29,6 +29,10 @@ class ArrayFile {
   const std::vector<StoredArray>& arrays() const { return arrays_; }
   /// Part of one along each of its axes, in the machine's byte order. Throws bad_data.
   virtual void read(const StoredArray& array, const std::vector<std::size_t>& from, const std::vector<std::size_t>& count, std::span<std::byte> to) const = 0;
+  /// The unit of its values; empty if it says none.
+  virtual std::string unit(const StoredArray&) const { return {}; }
+  /// How far apart its places are along each axis, in micrometres, as Fiji and ilastik say it; empty if it does not.
+  virtual std::vector<double> micrometres(const StoredArray&) const { return {}; }
   /// How many places along an axis lie together; 1 if it is not in chunks.
   virtual std::size_t chunk(const StoredArray& array, std::size_t axis) const = 0;
 

@@ -42,14 +42,17 @@ class Hdf5File : public ArrayFile {
   bool has_group(const char* name) const;
   /// An attribute of a group or an array: a text, or an array of letters; empty if there is none.
   std::string text(const std::string& path, const std::string& attribute) const;
-  /// An attribute of the root: its numbers, or its words of fixed length; empty if it has none.
-  std::vector<double> numbers(const char* attribute) const;
+  /// An attribute, of the root if nothing else is named: its numbers; empty if it has none.
+  std::vector<double> numbers(const char* attribute, const std::string& path = "/") const;
+  /// Of the root, of fixed length.
   std::vector<std::string> words(const char* attribute) const;
   /// The number beside a name in a table of names and numbers, as FLASH has them; nothing if there is none.
   std::optional<double> number_beside(const char* table, std::string_view name) const;
   int lost_links() const { return lost_; }
   void read(const StoredArray& array, const std::vector<std::size_t>& from, const std::vector<std::size_t>& count, std::span<std::byte> to) const override;
   std::size_t chunk(const StoredArray& array, std::size_t axis) const override;
+  std::string unit(const StoredArray& array) const override;
+  std::vector<double> micrometres(const StoredArray& array) const override { return numbers("element_size_um", array.path); }
 
  private:
   void walk(hid_t group, const std::string& prefix);

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstddef>
 #include <cstring>
 #include <filesystem>
@@ -149,14 +150,20 @@ Imported read_plainly(const ArrayFile& file, const ReadRequest& request, bool co
   for (const StoredArray& array : file.arrays())
     if (array.shape == best.shape) check_bytes(request, bytes += static_cast<std::uint64_t>(checked_product({static_cast<std::int64_t>(array.values() / steps), static_cast<std::int64_t>(size_of(array.type))}, name)), name);
   Block& block = imported.blocks.emplace_back();
-  place_image(block, {dim(0), dim(1), dim(2)}, {0, 0, 0}, {{{1, 0, 0}, {0, 1, 0}, {0, 0, 1}}}, name);
+  std::array<double, 3> apart{1, 1, 1};
+  const std::vector<double> said = file.micrometres(best);
+  const bool placed = std::min(axes.space.size(), std::size_t{3}) <= said.size() && std::all_of(said.begin(), said.end(), [](double of) { return of > 0 && std::isfinite(of); });
+  for (std::size_t a = 0; placed && a < axes.space.size(); ++a) apart[a] = said[said.size() - 1 - a];
+  if (placed) imported.axes = axes_in("µm");
+  place_image(block, {dim(0), dim(1), dim(2)}, {0, 0, 0}, {{{apart[0], 0, 0}, {0, apart[1], 0}, {0, 0, apart[2]}}}, name);
   std::string packed;
   for (const StoredArray& array : file.arrays()) {
     if (array.shape != best.shape) continue;
     block.arrays.push_back(read_array(file, array, axes, request, block.arrays.size()));
+    block.arrays.back().unit = file.unit(array);
     if (array.packed) packed += (packed.empty() ? "'" : ", '") + array.name + "'";
   }
-  imported.notes.push_back("arrays of " + shown(best.shape) + " values: the last axis is x, points 1 apart" + (steps > 1 ? "; the first counts steps" : ""));
+  imported.notes.push_back("arrays of " + shown(best.shape) + " values: the last axis is x" + (placed ? ", points apart as element_size_um says" : ", points 1 apart") + (steps > 1 ? "; the first counts steps" : ""));
   if (const std::size_t others = file.arrays().size() - block.arrays.size(); others > 0) imported.notes.push_back(std::to_string(others) + " arrays of other shapes skipped");
   if (!packed.empty()) imported.notes.push_back("values are as they are stored, not scaled, fill values too: " + packed);
   return imported;

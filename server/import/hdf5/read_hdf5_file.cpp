@@ -4,6 +4,7 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <cstring>
 #include <optional>
 #include <string_view>
 #include <utility>
@@ -123,6 +124,20 @@ std::string trimmed(std::string text) {
   return text;
 }
 
+/// An attribute that is one text of any length, as Python's h5py writes them; empty if it is not.
+std::string one_text(hid_t file, const char* path, const char* attribute) {
+  if (H5Aexists_by_name(file, path, attribute, H5P_DEFAULT) <= 0) return {};
+  const Hdf5Handle of(H5Aopen_by_name(file, path, attribute, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
+  if (!of.is_there()) return {};
+  const Hdf5Handle type(H5Aget_type(of.id()), H5Tclose), space(H5Aget_space(of.id()), H5Sclose);
+  if (H5Tget_class(type.id()) != H5T_STRING || H5Tis_variable_str(type.id()) <= 0 || H5Sget_simple_extent_npoints(space.id()) != 1) return {};
+  char* letters = nullptr;
+  if (H5Aread(of.id(), type.id(), &letters) < 0 || !letters) return {};
+  std::string text(letters, strnlen(letters, 4096));
+  H5free_memory(letters);
+  return text;
+}
+
 /// All letters of an attribute of texts of one length, and that length; none if it is not one, or has more than `most`.
 std::pair<std::string, std::size_t> letters_of(hid_t file, const char* path, const char* attribute, std::size_t most) {
   const Hdf5Handle of(H5Aopen_by_name(file, path, attribute, H5P_DEFAULT, H5P_DEFAULT), H5Aclose);
@@ -159,13 +174,21 @@ bool Hdf5File::has_group(const char* name) const {
 }
 
 std::string Hdf5File::text(const std::string& path, const std::string& attribute) const {
-  std::string text = letters_of(file_.id(), path.c_str(), attribute.c_str(), 4096).first;
+  std::string text = one_text(file_.id(), path.c_str(), attribute.c_str());
+  if (text.empty()) text = letters_of(file_.id(), path.c_str(), attribute.c_str(), 4096).first;
   std::erase(text, '\0');
   return text.substr(0, text.find_last_not_of(' ') + 1);
 }
 
-std::vector<double> Hdf5File::numbers(const char* attribute) const {
-  const Hdf5Handle found(H5Aexists(file_.id(), attribute) > 0 ? H5Aopen(file_.id(), attribute, H5P_DEFAULT) : -1, H5Aclose);
+std::string Hdf5File::unit(const StoredArray& array) const {
+  for (const char* attribute : {"units", "unit", "Units", "Unit"})
+    if (std::string said = text(array.path, attribute); !said.empty()) return said;
+  return {};
+}
+
+std::vector<double> Hdf5File::numbers(const char* attribute, const std::string& path) const {
+  const bool there = H5Aexists_by_name(file_.id(), path.c_str(), attribute, H5P_DEFAULT) > 0;
+  const Hdf5Handle found(there ? H5Aopen_by_name(file_.id(), path.c_str(), attribute, H5P_DEFAULT, H5P_DEFAULT) : -1, H5Aclose);
   if (!found.is_there()) return {};
   const Hdf5Handle type(H5Aget_type(found.id()), H5Tclose), space(H5Aget_space(found.id()), H5Sclose);
   const hssize_t count = H5Sget_simple_extent_npoints(space.id());
