@@ -60,37 +60,41 @@ async function askWhy(): Promise<NotOpened> {
   }
 }
 
-// Some tens of milliseconds, before Hello says what came of it.
-const movingFormats = await probeDecoders(browserProbe());
+/** Nothing is awaited outside of a function, or what comes on demand could not share this file. */
+async function start(): Promise<void> {
+  // Some tens of milliseconds, before Hello says what came of it.
+  const movingFormats = await probeDecoders(browserProbe());
 
-// For trying one out: ?codec=vp9-444 in the page's address. For comparing pictures: ?samples=1 holds on to one sample a pixel.
-const wanted = new URL(location.href).searchParams;
-const wantedFormat = wanted.get('codec') ?? '';
+  // For trying one out: ?codec=vp9-444 in the page's address. For comparing pictures: ?samples=1 holds on to one sample a pixel.
+  const wanted = new URL(location.href).searchParams;
+  const wantedFormat = wanted.get('codec') ?? '';
 
-const session = new Session({
-  connection: (handlers) =>
-    new Connection({
-      ...handlers,
-      open: (subprotocol) => new WebSocket(socketUrl(document.baseURI, token), subprotocol) as Socket,
-      askWhy,
-      now: () => performance.now(),
-      setTimeout: (callback, ms) => window.setTimeout(callback, ms),
-      clearTimeout: (id) => window.clearTimeout(id),
-      random: Math.random,
-    }),
-  saved: new SavedTab(sessionStorage, location.pathname),
-  now: () => performance.now(),
-  schedule: (callback) => void requestAnimationFrame(callback),
-  after: (ms, callback) => void setTimeout(callback, ms),
-  movingFormats,
-  calm,
-  movingFormat: movingFormats.includes(wantedFormat) ? wantedFormat : '',
-  refines: wanted.get('samples') !== '1',
-});
+  const session = new Session({
+    connection: (handlers) =>
+      new Connection({
+        ...handlers,
+        open: (subprotocol) => new WebSocket(socketUrl(document.baseURI, token), subprotocol) as Socket,
+        askWhy,
+        now: () => performance.now(),
+        setTimeout: (callback, ms) => window.setTimeout(callback, ms),
+        clearTimeout: (id) => window.clearTimeout(id),
+        random: Math.random,
+      }),
+    saved: new SavedTab(sessionStorage, location.pathname),
+    now: () => performance.now(),
+    schedule: (callback) => void requestAnimationFrame(callback),
+    after: (ms, callback) => void setTimeout(callback, ms),
+    movingFormats,
+    calm,
+    movingFormat: movingFormats.includes(wantedFormat) ? wantedFormat : '',
+    refines: wanted.get('samples') !== '1',
+  });
 
-mount(App, { target: document.getElementById('app') as HTMLElement, props: { session, theme, thumbnails, exports } });
-if (document.hidden) session.setHidden(true); // opened in a background tab
-session.start();
-setInterval(() => session.heartbeat(), 2000);
-document.addEventListener('visibilitychange', () => session.setHidden(document.hidden));
-window.addEventListener('online', () => session.retryNow());
+  mount(App, { target: document.getElementById('app') as HTMLElement, props: { session, theme, thumbnails, exports } });
+  if (document.hidden) session.setHidden(true); // opened in a background tab
+  session.start();
+  setInterval(() => session.heartbeat(), 2000);
+  document.addEventListener('visibilitychange', () => session.setHidden(document.hidden));
+  window.addEventListener('online', () => session.retryNow());
+}
+void start();
