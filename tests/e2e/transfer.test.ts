@@ -62,4 +62,32 @@ describe('a transfer function', () => {
     expect(ended.intervals[0]?.opacity).toBe(layer.opacity); // what it was before comes back
     expect(viewer.problems).toEqual([]);
   });
+
+  test('begins as a layer looked whose colours run over numbers of one’s own; the histogram has the colours, too', async () => {
+    viewer = await stage.open();
+    await viewer.until('layers', (s) => s.intervals.length > 1);
+    const [layer] = await viewer.layersOfOurOwn(1);
+    const colors = viewer.row(layer!).getByLabel('colour or colour map');
+    await colors.selectOption('viridis');
+    await viewer.page.getByLabel('Colours over').selectOption('own');
+    const { lower, upper } = (await viewer.until('own numbers', (s) => s.colorRange?.span === 'own')).colorRange!;
+    const end = viewer.page.getByLabel('Colours end at');
+    await end.fill(String(2 * upper - lower));
+    await end.press('Enter');
+    await viewer.until('others', (s) => s.colorRange!.upper > upper);
+    const before = await viewer.exactPicture();
+    const stops = await viewer.page.locator('.plot linearGradient stop').evaluateAll((all) => all.map((stop) => stop.getAttribute('stop-color')));
+    expect([stops[0], stops.at(-1)]).toEqual(['#440154', '#fde725']);
+    await viewer.photograph('histogram-of-a-map.png');
+    await colors.selectOption({ label: 'function' });
+    await viewer.until('a function', (s) => points(s).length > 2);
+    const after = await viewer.exactPicture();
+    expect(difference(before, after)).toBeLessThan(0.5);
+    // Beside what another range looks like.
+    await colors.selectOption('viridis');
+    await viewer.page.getByLabel('Colours over').selectOption('step');
+    await viewer.until('the step’s', (s) => s.colorRange?.span === 'step' && points(s).length === 0);
+    expect(difference(before, await viewer.exactPicture())).toBeGreaterThan(2 * difference(before, after));
+    expect(viewer.problems).toEqual([]);
+  });
 });

@@ -1,5 +1,7 @@
 import { expect, test } from 'vitest';
-import type { Interval, Range, TransferPoint } from '../src/lib/model';
+import { mapRange, mapStops, placeIn } from '../src/lib/map-range';
+import type { ColorRange, Interval, Range, SceneState, TransferPoint } from '../src/lib/model';
+import type { ArrayInfo } from '../src/lib/told';
 import { command } from '../src/lib/commands';
 import { addBeside, addPoint, curve, keyToPoint, lookAt, movePoint, removePoint, startPoints, stretched, withEnds } from '../src/lib/transfer';
 import { seeded } from './random';
@@ -23,6 +25,24 @@ test('a function begins as the layer looks', () => {
   expect(mapped[0]?.opacity).toBeCloseTo(0.5);
   expect(mapped[2]?.opacity).toBeCloseTo(1 - Math.sqrt(0.5 * 0.25)); // straight in extinction
   expect(startPoints({ ...layer, colorMap: '#000000-#ffffff' }, axis)[0]?.color[0]).toBeCloseTo(0.2); // over the array's range
+});
+
+test('a function of a colour map has at each point the colour that the map has there, over whatever range and by the logarithm too', () => {
+  const array = { name: 'a', association: 'point', type: 'float32', components: 1, nanCount: 0, unit: '', steps: [{ lower: 1, upper: 9 }], lower: 0, upper: 100 } as ArrayInfo;
+  const of = (more: Partial<ColorRange>, ownRange = false) => {
+    const mapped = { ...layer, colorMap: '#000000-#ffffff', ownRange };
+    const range = mapRange({ step: 0, colorRange: { span: 'step', lower: 0, upper: 0, log: false, ...more } } as SceneState, array, mapped);
+    for (const { value, color } of startPoints(mapped, array, range)) expect(color[0]).toBeCloseTo(placeIn(range, value), 9);
+    for (const { value, color } of mapStops(mapped.colorMap, range)) expect(color[0]).toBeCloseTo(placeIn(range, value), 9);
+    return range;
+  };
+  expect(of({})).toEqual({ lower: 1, upper: 9, log: false });
+  expect(of({ span: 'all_steps' })).toEqual({ lower: 0, upper: 100, log: false });
+  expect(of({ span: 'all_steps', log: true })).toEqual({ lower: 0.01, upper: 100, log: true });
+  expect(of({ span: 'own', lower: 2, upper: 4 })).toEqual({ lower: 2, upper: 4, log: false });
+  expect(of({ span: 'own', lower: 2, upper: 4, log: true }, true)).toEqual({ lower: 2, upper: 6, log: true });
+  expect(placeIn({ lower: 1, upper: 100, log: true }, 10)).toBeCloseTo(0.5, 12);
+  expect([-5, 0, 1000].map((value) => placeIn({ lower: 1, upper: 100, log: true }, value))).toEqual([0, 0, 1]);
 });
 
 test('between points colour and extinction are straight', () => {

@@ -2,6 +2,7 @@
 // to the next; a step is two points of one value.
 import { colorMapColors } from './color-maps';
 import { arrowStep, leastWidth, pageStep, shownEnds } from './intervals';
+import { placeIn, type MapRange } from './map-range';
 import type { Interval, IntervalPatch, Range, Rgb, TransferPoint } from './model';
 import { roundTo } from './ticks';
 
@@ -23,16 +24,15 @@ export function lookAt(points: readonly TransferPoint[], value: number): Transfe
   return { value, color: mixColor(a.color, b.color, t), opacity: t === 0 ? a.opacity : opacity };
 }
 
-/** A function that looks as the layer does: nothing jumps when it begins. */
-export function startPoints(interval: Interval, whole: Range): TransferPoint[] {
+/** A function that looks as the layer does: nothing jumps when it begins. over: what its colour map runs over. */
+export function startPoints(interval: Interval, whole: Range, over: MapRange = { ...(interval.ownRange ? shownEnds(interval, whole) : whole), log: false }): TransferPoint[] {
   const { color, opacity } = interval;
   const { lower, upper } = shownEnds(interval, whole); // a function's ends are never open
   const opacityUpper = interval.opacityUpper ?? opacity;
   const colors = interval.colorMap ? colorMapColors(interval.colorMap) : null;
-  const range = interval.ownRange ? { lower, upper } : whole;
-  const place = (value: number) => clamp((value - range.lower) / (range.upper - range.lower || 1), 0, 1);
+  const place = (value: number, log = false) => placeIn({ ...over, log }, value);
   const look = (value: number): TransferPoint => {
-    const at = colors ? place(value) * (colors.length - 1) : 0;
+    const at = colors ? place(value, over.log) * (colors.length - 1) : 0;
     const i = Math.min(Math.floor(at), (colors?.length ?? 2) - 2);
     const own = colors ? mixColor(colors[i] as Rgb, colors[i + 1] as Rgb, at - i) : color;
     const along = 1 - Math.exp(-mix(extinction(opacity), extinction(opacityUpper), place(value)));
