@@ -52,6 +52,32 @@ describe('values at a place', () => {
     expect(viewer.problems).toEqual([]);
   });
 
+  test('a place comes to the middle and is what the picture turns about, also where an axis is drawn longer', async () => {
+    viewer = await stage.open();
+    await viewer.until('layers', (state) => state.intervals.length > 0);
+    await viewer.layersOfOurOwn(1);
+    const scale = viewer.page.getByLabel('Scale of z');
+    await scale.fill('2');
+    await scale.press('Enter');
+    await viewer.until('a longer axis', (state) => state.axisScale?.[2] === 2);
+    const there = nearest(await viewer.exactPicture(), true);
+    await viewport().click({ position: there });
+    await expect.poll(() => card().getByText('distance').count()).toBe(1);
+    const value = await said('distance');
+    const place = [Number(await said('x')), Number(await said('y')), 2 * Number(await said('z'))];
+    const { eye, at } = viewer.state.camera!;
+    await card().getByRole('button', { name: 'Turn about here' }).click();
+    const { camera } = await viewer.until('another middle', (state) => JSON.stringify(state.camera!.at) !== JSON.stringify(at));
+    place.forEach((of, i) => expect(camera!.at[i]).toBeCloseTo(of, 3));
+    eye.forEach((of, i) => expect(camera!.eye[i]! - camera!.at[i]!).toBeCloseTo(of - at[i]!, 9));
+    // What was read is in the middle now.
+    const { width, height } = await viewer.exactPicture();
+    await viewport().click({ position: { x: width / 2, y: height / 2 } });
+    await expect.poll(() => card().getByText('distance').count()).toBe(1);
+    expect(Number(await said('distance'))).toBeCloseTo(Number(value), 2);
+    expect(viewer.problems).toEqual([]);
+  });
+
   test('P reads under the pointer, the background says so, and the values can be copied', async () => {
     viewer = await stage.open();
     await viewer.until('layers', (state) => state.intervals.length > 0);

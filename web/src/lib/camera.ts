@@ -74,6 +74,9 @@ export function boxInView(camera: Camera, box: Box, aspect: number): Camera {
   return { ...camera, at, eye: add(at, scale(back, distance * 1.08 || length(sub(camera.eye, camera.at)))) };
 }
 
+/** From the same side and as far away, with another place in the middle: the one that it turns about. */
+export const lookingAt = (camera: Camera, at: Vec3): Camera => ({ ...camera, at, eye: add(at, sub(camera.eye, camera.at)) });
+
 export function sameCamera(a: Camera | null, b: Camera | null): boolean {
   if (!a || !b) return a === b;
   const same = (p: Vec3, q: Vec3) => p[0] === q[0] && p[1] === q[1] && p[2] === q[2];
