@@ -106,7 +106,7 @@ TEST_F(ForeignFormats, AxesAreThoseOfTheFiles) {
   for (const Said& of : {Said{"lon_first.nc", "lon (degrees_east)", "lat (degrees_north)", "lev (hPa)", true}, Said{"lat_first.nc", "lon", "lat", "lev"}, Said{"millibars.nc", "x", "y", "air pressure (millibars)", true},
                          Said{"pascals.nc", "x", "y", "z (Pa)", true}, Said{"down.nc", "x", "y", "z", true}, Said{"four.nc", "lon (degrees_east)", "lat (degrees_north)", "lev (m)"},
                          Said{"climate.zarr", "lon (degrees_east)", "lat (degrees_north)", "lev (m)"}, Said{"deep.nc", "longitude (degrees_east)", "latitude (degrees_north)", "deep (m)", true},
-                         Said{"of_root.nc", "lon (degrees_east)", "lat (degrees_north)", "lev (m)"}, Said{"scaled.nii", "x (mm)", "y (mm)", "z (mm)"}, Said{"orbitals.cube", "x (Bohr)", "y (Bohr)", "z (Bohr)"},
+                         Said{"coast_nodes.nc", "longitude (degrees_east)", "latitude (degrees_north)", "depth (m)", true}, Said{"coast_faces.nc", "longitude (degrees_east)", "latitude (degrees_north)", "altitude (m)"}, Said{"of_root.nc", "lon (degrees_east)", "lat (degrees_north)", "lev (m)"}, Said{"scaled.nii", "x (mm)", "y (mm)", "z (mm)"}, Said{"orbitals.cube", "x (Bohr)", "y (Bohr)", "z (Bohr)"},
                          Said{"CHGCAR", "x (Angstrom)", "y (Angstrom)", "z (Angstrom)"}, Said{"grids.xsf", "x (Angstrom)", "y (Angstrom)", "z (Angstrom)"}, Said{"head.mgh", "x (mm)", "y (mm)", "z (mm)"},
                          Said{"scan/picture1.dcm", "x (mm)", "y (mm)", "z (mm)"}, Said{"parted", "x (m)", "y (m)", "z (m)"}, Said{"sizes.h5", "x (µm)", "y (µm)", "z (µm)"}, Said{"plain.h5", "x", "y", "z"}}) {
     const auto data = test::open(file(of.name));
@@ -135,7 +135,7 @@ TEST_F(ForeignFormats, ZarrHasTheValuesOfTheSameNumpyArrayWhateverPacksThem) {
 }
 
 TEST_F(ForeignFormats, NetcdfAndHdf5ThatAreRefusedSayWhy) {
-  for (const auto& [name, code, what] : {std::tuple{"mesh.nc", ErrorCode::unsupported, "UGRID"}, {"no_time.nc", ErrorCode::bad_data, "time 1 of 'time' is not a finite number"},
+  for (const auto& [name, code, what] : {std::tuple{"mesh.nc", ErrorCode::unsupported, "UGRID convention that has no faces"}, {"no_time.nc", ErrorCode::bad_data, "time 1 of 'time' is not a finite number"},
                                          {"atoms.nc", ErrorCode::unsupported, "particles (AMBER)"}, {"no_steps.nc", ErrorCode::bad_data, "'time' has length 0"}, {"no_steps_nor_times.nc", ErrorCode::bad_data, "'time' has length 0"},
                                          {"lists.h5", ErrorCode::unsupported, "lists of points or cells ('Mesh/topology', 2000 x 4)"}, {"only_empty.h5", ErrorCode::unsupported, "without an array of two or three axes of numbers (the largest, 'a', has 0 x 4 x 5)"},
                                          {"members.nc", ErrorCode::unsupported, "take one place along each of the others ('ncks -d AXIS,0 IN OUT')"}, {"no_size.ims", ErrorCode::bad_data, "ImageSizeX '' of its first channel"}, {"packed.h5", ErrorCode::unsupported, "packed by filter 32000 (lzf)"},
@@ -144,6 +144,25 @@ TEST_F(ForeignFormats, NetcdfAndHdf5ThatAreRefusedSayWhy) {
     EXPECT_EQ(error.code(), code) << error.what();
     EXPECT_NE(std::string(error.what()).find(name), std::string::npos) << error.what();
     EXPECT_NE(std::string(error.what()).find(what), std::string::npos) << error.what();
+  }
+}
+
+TEST(Netcdf, ANameThatIsLongerThanItsLibraryKnowsIsRefused) {
+  const auto whole = [](std::uint32_t number) {
+    std::string out;
+    for (int shift = 24; shift >= 0; shift -= 8) out += static_cast<char>(number >> shift & 0xff);
+    return out;
+  };
+  const Scratch scratch;
+  for (const std::uint32_t length : {256u, 260u, 4000u}) {
+    const std::string axes = whole(10) + whole(3) + whole(length) + std::string(length, 'd') + whole(2) + whole(4) + "yyyy" + whole(2) + whole(4) + "xxxx" + whole(2);
+    const std::string header = "CDF\1" + whole(0) + axes + whole(0) + whole(0) + whole(11) + whole(1) + whole(4) + "data" + whole(3) + whole(0) + whole(1) + whole(2) + whole(0) + whole(0) + whole(5) + whole(32);
+    const std::string bytes = header + whole(static_cast<std::uint32_t>(header.size()) + 4) + std::string(32, '\0');
+    const auto file = scratch.write("long.nc", bytes);
+    if (length <= 256)
+      EXPECT_EQ(test::open(file)->grid.point_count(), 8);
+    else
+      EXPECT_NE(std::string(test::refusal(file).what()).find("has a name of " + std::to_string(length) + " letters; expected at most 256"), std::string::npos) << test::refusal(file).what();
   }
 }
 

@@ -127,9 +127,9 @@ def axes(field, lattice, expect):
 
 
 def refused():
-    with opened("mesh.nc", [("node", 4), ("face", 2), ("corner", 3)]) as file:
-        stored(file, "mesh", "i4", (), 0, cf_role="mesh_topology", topology_dimension=2, node_coordinates="nx ny", face_node_connectivity="corners")
-        stored(file, "corners", "i4", ("face", "corner"), [[0, 1, 2], [0, 2, 3]])
+    with opened("mesh.nc", [("node", 4), ("edge", 2), ("corner", 2)]) as file:
+        stored(file, "mesh", "i4", (), 0, cf_role="mesh_topology", topology_dimension=1, node_coordinates="nx ny", edge_node_connectivity="corners")
+        stored(file, "corners", "i4", ("edge", "corner"), [[0, 1], [2, 3]])
     for name, placed in (("no_steps.nc", True), ("no_steps_nor_times.nc", False)):
         with opened(name, [("time", None), *zip(SPACE, (2, 2, 2))]) as file:
             if placed:
@@ -370,7 +370,62 @@ def cells_on_the_globe(expect):
     write("no_corners.nc", squares, "degrees", ("lon", "lat"), bounds=False)
 
 
+def mesh_of_a_coast(expect):
+    """By UGRID: squares and the two halves of others, nodes from 1 and no fourth corner of triangles; values on faces in layers (faces first, as Delft3D has them), on nodes at levels, and flat ones."""
+    place = lambda x, y: x + 6 * y
+    faces = []
+    for y in range(4):
+        for x in range(5):
+            a, b, c, d = place(x, y), place(x + 1, y), place(x + 1, y + 1), place(x, y + 1)
+            faces += [[a, b, c, d]] if x % 2 else [[a, b, c], [a, c, d]]
+    nodes = np.array([(x, y) for y in range(5) for x in range(6)], float)
+    middles = np.array([nodes[f].mean(0) for f in faces])
+    for name, location, levels, turned in (("coast_flat.nc", "node", None, False), ("coast_faces.nc", "face", [-30, -10, 0], False), ("coast_nodes.nc", "node", [40, 10, 0], True)):
+        with netCDF4.Dataset(name, "w") as d:
+            for dimension, size in (("time", None), ("node", len(nodes)), ("face", len(faces)), ("corner", 4), ("layer", 3)):
+                d.createDimension(dimension, size)
+            m = d.createVariable("mesh", "i4", ())
+            m.cf_role, m.topology_dimension, m.node_coordinates, m.face_node_connectivity = "mesh_topology", 2, "y x" if turned else "x y", "corners"
+            if turned:
+                m.face_dimension = "face"
+            for axis, called in enumerate("xy"):
+                v = d.createVariable(called, "f8", ("node",))
+                v.units, v.standard_name = ("degrees_east", "longitude") if axis == 0 else ("degrees_north", "latitude")
+                v[:] = nodes[:, axis]
+            v = d.createVariable("corners", "i4", ("corner", "face") if turned else ("face", "corner"), fill_value=-999)
+            v.start_index = np.int32(0 if turned else 1)
+            table = np.array([[n + (0 if turned else 1) for n in f] + [-999] * (4 - len(f)) for f in faces])
+            v[:] = table.T if turned else table
+            t = d.createVariable("time", "f8", ("time",))
+            t.units = "days since 2000-01-01"
+            t[:] = [0.5, 1.5]
+            at = middles if location == "face" else nodes
+            value = at[:, 0] + 10 * at[:, 1]
+            if levels is None:
+                axes, values = ("time", location), value
+                v = d.createVariable("on_faces", "f4", ("face",))
+                v.mesh, v.location = "mesh", "face"
+                v[:] = np.arange(len(faces))
+            else:
+                v = d.createVariable("layer_z" if location == "face" else "layer", "f8", ("layer",))
+                v.units, v.positive, v.standard_name = "m", "down" if turned else "up", "depth" if turned else "altitude"
+                v[:] = levels
+                axes = ("time", location, "layer") if location == "face" else ("time", "layer", location)
+                values = 0 * value[:, None] + 100 * np.arange(3) if location == "face" else value + 100 * np.arange(3)[:, None]
+            v = d.createVariable("v", "f4", axes)
+            v.units, v.mesh, v.location = "K", "mesh", location
+            v[:] = np.stack([values, values + 1000])
+            v = d.createVariable("of_edges", "f4", ("node",))
+            v.mesh, v.location = "mesh", "edge"
+            v[:] = 0
+    for step in range(2):
+        expect("coast_flat.nc", "unstructured", 30, len(faces), {"v": [1000 * step, 1000 * step + 45, 0], "on_faces": [0.5, len(faces) - 1.5, 0]}, [0, 5, 0, 4, 0, 0], [3, 2, 0, "v", 1000 * step + 23], [0.5, 1.5], step)
+        expect("coast_nodes.nc", "unstructured", 90, 2 * len(faces), {"v": [1000 * step, 1000 * step + 245, 0]}, [0, 5, 0, 4, -40, 0], [3, 2, -10, "v", 1000 * step + 123], [0.5, 1.5], step)
+        expect("coast_faces.nc", "unstructured", 120, 3 * len(faces), {"v": [1000 * step, 1000 * step + 200, 0]}, [0, 5, 0, 4, -40, 5], [1, 1, -20, "v", 1000 * step + 50], [0.5, 1.5], step)
+
+
 def write(field, lattice, expect):
+    mesh_of_a_coast(expect)
     members(field)
     cells_on_the_globe(expect)
     odd_places(field, lattice)

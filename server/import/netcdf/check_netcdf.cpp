@@ -1,5 +1,7 @@
 #include "import/netcdf/check_netcdf.h"
 
+#include <netcdf.h>
+
 #include <algorithm>
 #include <cstdint>
 #include <vector>
@@ -78,7 +80,12 @@ class Header {
     if (bytes > file_.size() - at_ || (bytes + 3) / 4 * 4 > file_.size() - at_) broken("ends within its header");
     at_ += static_cast<std::size_t>((bytes + 3) / 4 * 4);
   }
-  void text() { skip(count()); }
+  /// The library writes a longer one past the end of whatever it is given for it.
+  void text() {
+    const std::uint64_t length = count();
+    if (length > NC_MAX_NAME) broken("has a name of " + std::to_string(length) + " letters; expected at most " + std::to_string(NC_MAX_NAME));
+    skip(length);
+  }
   std::uint64_t width(std::uint64_t type) const {
     static constexpr std::uint64_t kWidths[] = {0, 1, 1, 2, 4, 4, 8, 1, 2, 4, 8, 8};
     if (type < 1 || type > 11) broken("a variable or attribute is of type " + std::to_string(type));

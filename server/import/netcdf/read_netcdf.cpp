@@ -30,6 +30,7 @@
 #include "import/netcdf/netcdf_cells.h"
 #include "import/netcdf/netcdf_file.h"
 #include "import/netcdf/netcdf_placed.h"
+#include "import/netcdf/netcdf_ugrid.h"
 #include "import/netcdf/netcdf_values.h"
 #include "import/vtk/read_vtk.h"
 #include "import/vtk/vtk_pipeline.h"
@@ -173,13 +174,6 @@ void refuse_particles(const NetcdfFile& file, const std::string& name) {
     throw Error(ErrorCode::unsupported, name + ": particles (AMBER); expected a grid: save their density on one, as Gaussian cube, MRC or .npy");
 }
 
-/// UGRID's meshes have their own arrays for what joins their points.
-void refuse_mesh(const NetcdfFile& file, const std::string& name) {
-  for (int variable = 0; variable < file.variables(); ++variable)
-    if (file.text(variable, "cf_role") == "mesh_topology")
-      throw Error(ErrorCode::unsupported, name + ": netCDF with a mesh by the UGRID convention ('" + file.name(variable) + "'); save it as .vtu, VTKHDF or CGNS (ParaView: Save Data)");
-}
-
 /// Nothing was written along such a dimension yet. VTK takes its first place all the same.
 void refuse_empty(const NetcdfFile& file, const std::vector<int>& dimensions, const std::string& name) {
   for (const int dimension : dimensions)
@@ -236,8 +230,8 @@ Imported read_netcdf(const ReadRequest& request) {
 #ifdef ISOSTRATA_READS_EXODUS
   if (file.is_exodus()) return read_exodus(request);
 #endif
-  refuse_mesh(file, name);
   refuse_particles(file, name);
+  if (auto mesh = read_netcdf_ugrid(file, request)) return std::move(*mesh);
   if (auto cells = read_netcdf_cells(file, request)) return std::move(*cells);
   std::vector<int> placed = file.dimensions();
   std::erase_if(placed, [&](int dimension) { return !file.coordinate(dimension); });

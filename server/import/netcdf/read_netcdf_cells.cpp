@@ -1,12 +1,7 @@
 #include <vtkCellData.h>
-#include <vtkCellType.h>
 #include <vtkDataArray.h>
-#include <vtkDoubleArray.h>
-#include <vtkIdList.h>
 #include <vtkInformation.h>
 #include <vtkInformationStringKey.h>
-#include <vtkNew.h>
-#include <vtkPoints.h>
 #include <vtkUnstructuredGrid.h>
 
 #include <algorithm>
@@ -26,8 +21,8 @@
 #include "import/netcdf/netcdf_axes.h"
 #include "import/netcdf/netcdf_cells.h"
 #include "import/netcdf/netcdf_placed.h"
+#include "import/netcdf/netcdf_prisms.h"
 #include "import/netcdf/netcdf_values.h"
-#include "import/vtk/set_cells.h"
 #include "import/vtk/vtk_blocks.h"
 
 namespace isostrata {
@@ -71,12 +66,7 @@ std::vector<double> corners_along(const NetcdfFile& file, int coordinate, std::s
   return out;
 }
 
-/// Around each cell, and where these points are. Corners are one point if they are less than a millionth of a degree apart.
-struct Outlines {
-  std::vector<std::vector<std::int64_t>> of_cells;
-  std::vector<std::array<double, 2>> points;
-};
-
+/// Corners are one point if they are less than a millionth of a degree apart.
 Outlines outlines(const std::vector<double>& longitudes, const std::vector<double>& latitudes, std::size_t cells) {
   Outlines out;
   const std::size_t corners = longitudes.size() / cells;
@@ -92,21 +82,6 @@ Outlines outlines(const std::vector<double>& longitudes, const std::vector<doubl
     }
   }
   return out;
-}
-
-/// The ends of each level: the middles between two of them, and as far beyond the first and the last. Of one level, that.
-std::vector<double> ends_of(const std::vector<double>& levels) {
-  if (levels.size() < 2) return levels;
-  std::vector<double> out{levels[0] - (levels[1] - levels[0]) / 2};
-  for (std::size_t k = 1; k < levels.size(); ++k) out.push_back((levels[k - 1] + levels[k]) / 2);
-  out.push_back(levels.back() + (levels.back() - levels[levels.size() - 2]) / 2);
-  return out;
-}
-
-int type_of(std::size_t corners, bool flat) {
-  if (flat) return corners == 3 ? VTK_TRIANGLE : corners == 4 ? VTK_QUAD : VTK_POLYGON;
-  static constexpr std::array kPrisms{VTK_WEDGE, VTK_HEXAHEDRON, VTK_PENTAGONAL_PRISM, VTK_HEXAGONAL_PRISM};
-  return corners <= 6 ? kPrisms[corners - 3] : VTK_EMPTY_CELL;
 }
 
 }  // namespace
@@ -135,35 +110,7 @@ std::optional<Imported> read_netcdf_cells(const NetcdfFile& file, const ReadRequ
   const std::optional<NetcdfVariable> coordinate = first.level ? file.coordinate(*first.level) : std::nullopt;
   std::vector<double> at{0};
   if (first.level) at = cf_places(coordinate && coordinate->type() ? coordinate->values() : std::vector<double>{}, levels, netcdf_axis(file, *first.level), imported.notes);
-  const std::vector<double> ends = ends_of(at);
-  const bool flat = levels == 1;
-  check_bytes(request, static_cast<std::uint64_t>(checked_product({static_cast<std::int64_t>(ends.size()), static_cast<std::int64_t>(longitudes.size()), 32}, name)), name);
-  vtkNew<vtkDoubleArray> places;
-  places->SetNumberOfComponents(3);
-  for (const double z : ends)
-    for (const auto& point : around.points) places->InsertNextTuple3(point[0], point[1], z);
-  std::vector<std::uint8_t> types;
-  std::vector<std::int64_t> cell_ends{0}, ids;
-  std::vector<vtkIdType> kept;
-  for (std::size_t k = 0; k < levels; ++k)
-    for (std::size_t c = 0; c < cells; ++c) {
-      const std::vector<std::int64_t>& corners = around.of_cells[c];
-      if (corners.size() < 3 || type_of(corners.size(), flat) == VTK_EMPTY_CELL) continue;
-      for (std::size_t layer = k; layer <= k + (flat ? 0 : 1); ++layer)
-        for (const std::int64_t corner : corners) ids.push_back(corner + static_cast<std::int64_t>(layer * around.points.size()));
-      types.push_back(static_cast<std::uint8_t>(type_of(corners.size(), flat)));
-      cell_ends.push_back(std::ssize(ids));
-      kept.push_back(static_cast<vtkIdType>(k * cells + c));
-    }
-  vtkNew<vtkPoints> points;
-  points->SetData(places);
-  vtkNew<vtkUnstructuredGrid> grid;
-  grid->SetPoints(points);
-  set_cells(grid, types, cell_ends, ids);
-
-  vtkNew<vtkIdList> taken;
-  taken->SetNumberOfIds(static_cast<vtkIdType>(kept.size()));
-  std::copy(kept.begin(), kept.end(), taken->GetPointer(0));
+  const Prisms prisms = prisms_of(around, ends_of_levels(at), request);
   std::uint64_t bytes = 0;
   for (const OverCells& of : all) {
     if (of.cells != first.cells || of.level != first.level || (of.time && of.time != first.time)) continue;
@@ -174,18 +121,16 @@ std::optional<Imported> read_netcdf_cells(const NetcdfFile& file, const ReadRequ
     }
     check_bytes(request, bytes += cells * levels * size_of(*file.type(of.variable)), name);
     const vtkSmartPointer<vtkDataArray> values = netcdf_values(file, of.variable, from, count);
-    auto own = vtkSmartPointer<vtkDataArray>::Take(values->NewInstance());
-    own->SetNumberOfTuples(taken->GetNumberOfIds());
-    values->GetTuples(taken, own);
+    const auto own = taken(*values, prisms.kept, levels, cells, false);
     own->SetName(file.name(of.variable).c_str());
-    grid->GetCellData()->AddArray(own);
+    prisms.grid->GetCellData()->AddArray(own);
     if (const std::string unit = file.text(of.variable, "units"); !unit.empty()) own->GetInformation()->Set(vtkDataArray::UNITS_LABEL(), unit);
   }
   imported.axes = {Axis{"longitude", "degrees_east"}, Axis{"latitude", "degrees_north"}, first.level ? cf_meaning(netcdf_axis(file, *first.level)) : Axis{}};
-  append_vtk_blocks(grid, request, false, imported.blocks, imported.notes);
-  if (const std::size_t left = cells * levels - kept.size(); left > 0) imported.notes.push_back(std::to_string(left) + " cells skipped: they do not have 3 to 6 corners");
-  if (const int others = static_cast<int>(std::ssize(all)) - grid->GetCellData()->GetNumberOfArrays(); others > 0) imported.notes.push_back(std::to_string(others) + " variables over other axes skipped");
-  imported.notes.emplace_back("cells lie at their longitudes and latitudes, in degrees" + std::string(flat ? "" : ", each level up to the middles between it and its neighbours"));
+  append_vtk_blocks(prisms.grid, request, false, imported.blocks, imported.notes);
+  if (prisms.left_out > 0) imported.notes.push_back(std::to_string(prisms.left_out) + " cells skipped: they do not have 3 to 6 corners");
+  if (const int others = static_cast<int>(std::ssize(all)) - prisms.grid->GetCellData()->GetNumberOfArrays(); others > 0) imported.notes.push_back(std::to_string(others) + " variables over other axes skipped");
+  imported.notes.emplace_back("cells lie at their longitudes and latitudes, in degrees" + std::string(levels == 1 ? "" : ", each level up to the middles between it and its neighbours"));
   if (!steps.sorted) imported.notes.push_back(kTimesWereSorted);
   if (!steps.units.empty()) imported.notes.push_back("times are in " + steps.units);
   return imported;
