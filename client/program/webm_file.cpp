@@ -8,7 +8,7 @@
 namespace isostrata::client {
 
 WebmFile::WebmFile(const std::string& path, int width, int height, double fps, int quality)
-    : fps_(fps), file_(path), writer_(file_, width, height, fps), encoder_(width, height, quality) {}
+    : fps_(fps), file_(path), writer_(file_, width, height, fps, Matrix::bt709), encoder_(width, height, quality) {}
 
 void WebmFile::add(const Picture& picture) {
   const auto time_ms = static_cast<std::int64_t>(std::llround(static_cast<double>(next_++) * 1000 / fps_));

@@ -30,7 +30,7 @@ std::string element(std::uint32_t which, std::string_view content) {
 
 }  // namespace
 
-WebmWriter::WebmWriter(WholeFile& file, int width, int height, double fps) : file_(file) {
+WebmWriter::WebmWriter(WholeFile& file, int width, int height, double fps, Matrix matrix) : file_(file) {
   file_.write(element(0x1A45DFA3, element(0x4286, whole(1)) +      // EBMLVersion
                                       element(0x42F7, whole(1)) +  // EBMLReadVersion
                                       element(0x42F2, whole(4)) +  // EBMLMaxIDLength
@@ -53,7 +53,7 @@ WebmWriter::WebmWriter(WholeFile& file, int width, int height, double fps) : fil
   duration_ = file_.size();
   file_.write(number(0, 8));
 
-  const std::string color = element(0x55B1, whole(1)) + element(0x55BA, whole(1)) + element(0x55BB, whole(1)) +  // BT.709
+  const std::string color = element(0x55B1, whole(matrix == Matrix::bt601 ? 6 : 1)) + element(0x55BA, whole(1)) + element(0x55BB, whole(1)) +  // as BT.709
                             element(0x55B9, whole(1)) +                             // the range of studios
                             element(0x55B3, whole(0)) + element(0x55B4, whole(0));  // 4:4:4
   const std::string video = element(0xB0, whole(static_cast<std::uint64_t>(width))) +

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "whole_file.h"
+#include "yuv444.h"
 
 namespace isostrata::client {
 
@@ -15,7 +16,7 @@ namespace isostrata::client {
 class WebmWriter {
  public:
   /// Writes the head. The file outlives this.
-  WebmWriter(WholeFile& file, int width, int height, double fps);
+  WebmWriter(WholeFile& file, int width, int height, double fps, Matrix matrix);
   /// Frames in the order of their times.
   void add(std::string_view frame, std::int64_t time_ms, bool key);
   /// Writes cues and what the head did not know yet.

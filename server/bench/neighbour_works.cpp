@@ -158,8 +158,9 @@ NeighbourWork requests(const std::string& name, const std::string& dataset, int 
           }};
 }
 
-bool export_mesh(const HeavySession& of, const Stop& stop) {
-  const json::value begun = json::parse(of.ask("POST", "/exports", R"({"format":"vtu"})"));
+/// An export or a film, to its end.
+bool make_file(const HeavySession& of, const Stop& stop, const std::string& kind, const std::string& body) {
+  const json::value begun = json::parse(of.ask("POST", kind, body));
   const std::string operation = "/operations/" + std::string(begun.as_object().at("id").as_string());
   std::string status = "running";
   while (status == "running" && !stop) {
@@ -256,7 +257,10 @@ std::vector<NeighbourWork> neighbour_works() {
                    set_layers(of, layers(2, 0.95, 1.05, "", 0.4), {{"terms", terms}});
                    return get(of, "/image?width=64&height=64", stop);
                  }});
-  all.push_back({"export", kLargest, true, [](const HeavySession& of) { set_layers(of, layers(2, 0.1, 0.3, "", 0.3)); }, export_mesh});
+  all.push_back({"export", kLargest, true, [](const HeavySession& of) { set_layers(of, layers(2, 0.1, 0.3, "", 0.3)); },
+                 [](const HeavySession& of, const Stop& stop) { return make_file(of, stop, "/exports", R"({"format":"vtu"})"); }});
+  all.push_back({"a film of a turn", kLargest, true, [](const HeavySession& of) { set_layers(of, layers(2, 0.1, 0.3, "", 0.3)); },
+                 [](const HeavySession& of, const Stop& stop) { return make_file(of, stop, "/films", R"({"turnDeg":360,"seconds":1})"); }});
   all.push_back(requests("histograms", kLargest, 4, 25, "/histogram?bins=4096", true));
   all.push_back(many_viewers());
   all.push_back(guest("a guest's viewport of 8192x8192", false));

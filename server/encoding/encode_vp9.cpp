@@ -21,6 +21,8 @@ constexpr int kCyclicRefresh = 3;      // aq-mode: a part of the picture is code
 constexpr int kMaxIntraPercent = 300;  // a key frame may take this much of a frame's share
 constexpr int kBestQuantizer = 3;      // of 0..63. Finer ones make more bytes than pictures better
 constexpr int kWorstQuantizer = 58;
+constexpr int kMaxQuantizer = 63;
+constexpr int kFilmSpeed = 5;  // nobody waits for a frame of a film
 
 class Vp9Encoder final : public Encoder {
  public:
@@ -36,12 +38,14 @@ class Vp9Encoder final : public Encoder {
     if (std::max(image.width, image.height) > kMaxVideoSide)
       throw Error(ErrorCode::too_large, "VP9: " + std::to_string(image.width) + "x" + std::to_string(image.height) +
                                             " pixels; expected at most " + std::to_string(kMaxVideoSide) + " a side");
+    if (order.quantizer && (*order.quantizer < 0 || *order.quantizer > kMaxQuantizer))
+      throw Error(ErrorCode::invalid_argument, "VP9: quantizer " + std::to_string(*order.quantizer) + "; expected 0 to " + std::to_string(kMaxQuantizer));
     try {
-      prepare(image.width, image.height, order.bitrate_kbps);
+      prepare(image.width, image.height, order);
       rgb_to_yuv444(image, {{picture_->planes[0], picture_->planes[1], picture_->planes[2]},
                             {picture_->stride[0], picture_->stride[1], picture_->stride[2]}});
       const vpx_enc_frame_flags_t flags = order.key ? VPX_EFLAG_FORCE_KF : 0;
-      check(vpx_codec_encode(&context_, picture_, frames_++, 1, flags, VPX_DL_REALTIME), "a frame could not be encoded");
+      check(vpx_codec_encode(&context_, picture_, frames_++, 1, flags, quantizer_ ? VPX_DL_GOOD_QUALITY : VPX_DL_REALTIME), "a frame could not be encoded");
       return take_frame();
     } catch (...) {
       close();  // the next frame begins anew
@@ -63,13 +67,15 @@ class Vp9Encoder final : public Encoder {
     check(vpx_codec_control_(&context_, id, value), name);
   }
 
-  void prepare(int width, int height, int kbps) {
-    if (open_ && static_cast<int>(config_.g_w) == width && static_cast<int>(config_.g_h) == height) {
-      if (static_cast<int>(config_.rc_target_bitrate) == kbps) return;
+  void prepare(int width, int height, const EncodeOrder& order) {
+    const int kbps = order.bitrate_kbps;
+    if (open_ && static_cast<int>(config_.g_w) == width && static_cast<int>(config_.g_h) == height && quantizer_ == order.quantizer) {
+      if (quantizer_ || static_cast<int>(config_.rc_target_bitrate) == kbps) return;
       config_.rc_target_bitrate = static_cast<unsigned>(kbps);
       return check(vpx_codec_enc_config_set(&context_, &config_), "the bit rate could not be changed");
     }
     close();
+    quantizer_ = order.quantizer;
     vpx_codec_iface_t* const vp9 = vpx_codec_vp9_cx();
     check(vpx_codec_enc_config_default(vp9, &config_, 0), "no default configuration");
     config_.g_profile = 1;
@@ -82,10 +88,10 @@ class Vp9Encoder final : public Encoder {
     const int threads = options_.threads > 0 ? options_.threads : thread_count();
     const int tiles = std::clamp(width / 256, 1, 64);  // no narrower ones are allowed, so no more threads are of use
     config_.g_threads = static_cast<unsigned>(std::clamp(threads, 1, std::min(16, 2 * tiles)));
-    config_.rc_end_usage = VPX_CBR;
+    config_.rc_end_usage = quantizer_ ? VPX_Q : VPX_CBR;
     config_.rc_target_bitrate = static_cast<unsigned>(kbps);
-    config_.rc_min_quantizer = kBestQuantizer;
-    config_.rc_max_quantizer = kWorstQuantizer;
+    config_.rc_min_quantizer = quantizer_ ? 0 : kBestQuantizer;
+    config_.rc_max_quantizer = quantizer_ ? kMaxQuantizer : kWorstQuantizer;
     config_.rc_dropframe_thresh = 0;
     config_.rc_undershoot_pct = 50;
     config_.rc_overshoot_pct = 50;
@@ -95,12 +101,13 @@ class Vp9Encoder final : public Encoder {
     config_.kf_mode = VPX_KF_DISABLED;  // only those that are asked for
     check(vpx_codec_enc_init(&context_, vp9, &config_, 0), "the encoder could not be opened");
     open_ = true;
-    control(VP8E_SET_CPUUSED, kSpeed, "cpu-used");
+    control(VP8E_SET_CPUUSED, quantizer_ ? kFilmSpeed : kSpeed, "cpu-used");
+    if (quantizer_) control(VP8E_SET_CQ_LEVEL, static_cast<unsigned>(*quantizer_), "cq-level");
     control(VP9E_SET_ROW_MT, 1u, "row-mt");
     unsigned tile_columns = 0;
     while ((2 << tile_columns) <= std::min(tiles, static_cast<int>(config_.g_threads))) ++tile_columns;
     control(VP9E_SET_TILE_COLUMNS, static_cast<int>(tile_columns), "tile-columns");
-    control(VP9E_SET_AQ_MODE, static_cast<unsigned>(kCyclicRefresh), "aq-mode");
+    control(VP9E_SET_AQ_MODE, static_cast<unsigned>(quantizer_ ? 0 : kCyclicRefresh), "aq-mode");
     control(VP8E_SET_MAX_INTRA_BITRATE_PCT, static_cast<unsigned>(kMaxIntraPercent), "max-intra-rate");
     control(VP9E_SET_FRAME_PARALLEL_DECODING, 0u, "frame-parallel");
     control(VP9E_SET_NOISE_SENSITIVITY, 0u, "noise-sensitivity");
@@ -139,6 +146,7 @@ class Vp9Encoder final : public Encoder {
   const EncoderOptions options_;
   const std::string implementation_;
   bool open_ = false;
+  std::optional<int> quantizer_;
   vpx_codec_ctx_t context_{};
   vpx_codec_enc_cfg_t config_{};
   vpx_image_t* picture_ = nullptr;

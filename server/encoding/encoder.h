@@ -2,6 +2,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -16,6 +17,7 @@ struct EncodeOrder {
   int quality = 90;         // JPEG only, 1..100
   int bitrate_kbps = 8000;  // video only: a frame gets about bitrate_kbps / frames_per_second kilobits, whenever it comes
   bool key = false;         // video only: can be decoded without those before it
+  std::optional<int> quantizer;  // video only: every frame is about as good, 0..63, the lower the better, and takes what it takes; of a whole stream
 };
 
 struct EncodedFrame {

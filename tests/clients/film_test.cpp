@@ -16,12 +16,16 @@
 #include "isostrata/client.h"
 #include "support/run_isostrata.h"
 #include "support/temporary_folder.h"
+#include "support/webm_elements.h"
 #include "yuv444.h"
 
 namespace isostrata::client {
 namespace {
 
+using isostrata::testing::number;
 using isostrata::testing::read_text;
+using isostrata::testing::walk;
+using Element = isostrata::testing::WebmElement;
 
 // A picture that moves: a coloured disc before a ramp.
 Picture scene(int width, int height, int frame) {
@@ -60,36 +64,6 @@ std::string png_of(const Picture& picture) {
          chunk("IHDR", big_endian(static_cast<std::uint32_t>(picture.width)) +
                            big_endian(static_cast<std::uint32_t>(picture.height)) + std::string("\x08\x02\0\0\0", 5)) +
          chunk("IDAT", packed) + chunk("IEND", "");
-}
-
-// The elements of a Matroska file, all the way down, as (id, content).
-struct Element {
-  std::uint32_t id;
-  std::string_view content;
-  std::size_t at;  // of the id, in the file
-};
-void walk(std::string_view file, std::size_t begin, std::size_t end, std::vector<Element>& out) {
-  const auto byte = [&](std::size_t i) { return static_cast<unsigned char>(file.at(i)); };
-  for (std::size_t at = begin; at < end;) {
-    const auto start = at;
-    const int id_bytes = std::countl_zero(byte(at)) + 1;
-    std::uint32_t id = 0;
-    for (int i = 0; i < id_bytes; ++i) id = id << 8 | byte(at++);
-    const int size_bytes = std::countl_zero(byte(at)) + 1;
-    std::uint64_t size = byte(at++) & (0xffu >> size_bytes);
-    for (int i = 1; i < size_bytes; ++i) size = size << 8 | byte(at++);
-    ASSERT_LE(at + size, end) << "element " << std::hex << id;
-    out.push_back({id, file.substr(at, size), start});
-    for (const std::uint32_t parent :
-         {0x18538067u, 0x114D9B74u, 0x4DBBu, 0x1549A966u, 0x1654AE6Bu, 0xAEu, 0xE0u, 0x1F43B675u, 0x1C53BB6Bu, 0xBBu, 0xB7u})
-      if (id == parent) walk(file, at, at + size, out);
-    at += size;
-  }
-}
-std::uint64_t number(std::string_view bytes) {
-  std::uint64_t value = 0;
-  for (const char c : bytes) value = value << 8 | static_cast<unsigned char>(c);
-  return value;
 }
 
 // Y, U and V as they were encoded, and the mean square error against a picture's.

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.h"
@@ -42,6 +43,30 @@ TEST(Vp9, EachPictureInIsAFrameOutThatDecodesToItNearly) {
   }
   EXPECT_EQ(decoder.color_space, VPX_CS_BT_601);
   EXPECT_EQ(decoder.range, VPX_CR_STUDIO_RANGE);
+}
+
+TEST(Vp9, AQuantizerMakesEveryFrameAboutAsGoodAndHoldsNoneBack) {
+  std::size_t bytes_before = 0;
+  for (const int quantizer : {50, 20, 4}) {
+    const auto encoder = make_encoder(Codec::vp9_444);
+    Vp9Decoder decoder;
+    double worst = 1000, best = 0;
+    std::size_t bytes = 0;
+    for (int i = 0; i < 12; ++i) {
+      const Image image = ring(320, 200, 0.03 * i);
+      const EncodedFrame frame = encoder->encode(image, {.key = i == 6, .quantizer = quantizer});
+      EXPECT_EQ(frame.key, i == 0 || i == 6) << i;
+      const double psnr = difference(image, decoder.decode(frame.bytes)).psnr;
+      worst = std::min(worst, psnr);
+      best = std::max(best, psnr);
+      bytes += frame.bytes.size();
+    }
+    EXPECT_GT(worst, quantizer == 50 ? 28 : quantizer == 20 ? 36 : 42) << quantizer;
+    EXPECT_LT(best - worst, 6) << quantizer;
+    EXPECT_GT(bytes, bytes_before) << quantizer;
+    bytes_before = bytes;
+  }
+  for (const int wrong : {-1, 64}) EXPECT_THROW(make_encoder(Codec::vp9_444)->encode(ring(32, 32, 0), {.quantizer = wrong}), Error);
 }
 
 // 4:2:0 is wrong by up to 115 of 255 here.

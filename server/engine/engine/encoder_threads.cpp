@@ -6,7 +6,10 @@ std::optional<EncodedFrame> StreamEncoders::encode(StreamId stream, Codec codec,
   Stream& of = streams_[stream];
   if (of.width != image.width || of.height != image.height || (of.encoder && of.encoder->codec() != codec)) {
     of = {.width = image.width, .height = image.height};
-    open_(stream, codec, image, order);
+    if (order.quantizer)
+      of.encoder = make_encoder(codec);
+    else
+      open_(stream, codec, image, order);
   }
   if (of.failure) std::rethrow_exception(of.failure);
   if (!of.encoder) return std::nullopt;

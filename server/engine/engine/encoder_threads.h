@@ -23,8 +23,8 @@ class StreamEncoders {
   explicit StreamEncoders(Open open) : open_(std::move(open)) {}
 
   /// The stream's next frame, of which the first, and the first of another size, is a key frame. Nothing while an encoder of that size is being opened,
-  /// which begins with the first call: the memory that it takes can cost the time of ten frames, and a hand would wait for it. Throws what make_encoder
-  /// and Encoder::encode throw.
+  /// which begins with the first call: the memory that it takes can cost the time of ten frames, and a hand would wait for it. A stream with a quantizer is a
+  /// film's, for which nobody waits: its encoder is opened here. Throws what make_encoder and Encoder::encode throw.
   std::optional<EncodedFrame> encode(StreamId stream, Codec codec, const Image& image, EncodeOrder order);
   /// What open was asked for. failure: why there is none; else null. Nothing is kept for a stream that was closed meanwhile, or goes on in another size.
   struct Opened {

@@ -85,7 +85,7 @@ void FrameMaker::encode(StreamEncoders* streams, DrawnPicture& drawn, const Pict
     encode_picture(drawn, of,
                    {streams, [&] { return ports_.overtaken(frame.session, frame.revision); }, [&] { return is_open(frame.session, frame.video->stream); }});
     ports_.send(std::move(frame));
-    if (!is_still(request)) ports_.seen(request.session, request.lossless);
+    if (!is_still(request) && !is_of_film(request)) ports_.seen(request.session, request.lossless);
   } catch (const EncoderFailed&) {
     RequestFailed failed = failure_of(std::current_exception(), request.session, request.request, of.scene.revision);
     failed.encoder_failed = true;

@@ -27,6 +27,7 @@ void encode_video(StreamEncoders& streams, const Image& image, const FrameReques
   EncodeOrder order{request.jpeg_quality};
   order.bitrate_kbps = request.video->bitrate_kbps;
   order.key = request.video->key;
+  order.quantizer = request.video->quantizer;
   try {
     std::optional<EncodedFrame> encoded = streams.encode(frame.video->stream, frame.video->codec, image, order);
     frame.jpeg = !encoded;

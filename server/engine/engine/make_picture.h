@@ -42,7 +42,10 @@ struct DrawnPicture {
 
 /// A script's picture or somebody's screenshot: nobody has a hand on it.
 inline bool is_still(const FrameRequest& request) { return request.still.has_value(); }
-inline WorkClass class_of(const FrameRequest& request) { return is_still(request) || request.samples > 1 ? WorkClass::still : WorkClass::frame; }
+inline bool is_of_film(const FrameRequest& request) { return request.video && request.video->quantizer; }
+inline WorkClass class_of(const FrameRequest& request) {
+  return is_still(request) || is_of_film(request) || request.samples > 1 ? WorkClass::still : WorkClass::frame;
+}
 
 /// What a still takes beside the scene: its pixels, and their copies on the way to a file. 0 for one that takes no more than a frame may.
 std::uint64_t still_bytes(const FrameRequest& request, const Scene& scene);

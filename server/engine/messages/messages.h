@@ -56,6 +56,7 @@ struct VideoOrder {
   StreamId stream = 0;
   int bitrate_kbps = 8000;  // at 30 frames a second: EncodeOrder (encoding/encoder.h)
   bool key = false;         // for somebody who has none of the frames before
+  std::optional<int> quantizer;  // of a film, whose frames are lossless ones as far as drawing goes: EncodeOrder. Nothing comes in place of its frames
 };
 
 /// One picture of the session's newest scene, taken as late as possible. Every request is answered once: FrameReady or
@@ -68,7 +69,7 @@ struct FrameRequest {
   bool lossless = false;
   bool jpeg = true;  // the bytes' format; lossless frames may be asked for as JPEG too (REST)
   int jpeg_quality = 90;
-  std::optional<VideoOrder> video;  // a moving frame as video; `jpeg` is then not looked at
+  std::optional<VideoOrder> video;  // a moving frame as video, or a film's; `jpeg` is then not looked at
   std::size_t band_bytes = 0;  // a lossless frame as PNG in pieces of so many bytes; 0: in one
   bool until_newer = false;    // given up, as `cancelled`, once the session has a newer scene: a picture at rest, in the way of a hand that moves again
   std::optional<StillFormat> still;  // a script's picture in this format; `jpeg` and its quality are then not looked at

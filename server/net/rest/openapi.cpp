@@ -34,6 +34,7 @@ const std::vector<std::pair<const char*, const char*>> kTags = {
     {"pictures", "Pictures and numbers of what is shown"},
     {"operations", "Long work: progress and cancel"},
     {"exports", "Mesh files"},
+    {"films", "Films: turns and steps"},
 };
 
 const json::object& rest_schemas() {

@@ -66,13 +66,27 @@ OperationRecord& Operations::begin(const Session& session, const std::string& ki
   return record;
 }
 
+OperationRecord& Operations::begin_film(const Session& session) {
+  OperationRecord& record = add(session, "f" + std::to_string(++last_film_), "film");
+  changed_(record);
+  return record;
+}
+
+void Operations::progress(OperationRecord& record, const std::string& stage, double fraction, TimePoint now) {
+  record.stage = stage;
+  record.fraction = fraction;
+  if (now - record.told < std::chrono::milliseconds(100)) return;
+  record.told = now;
+  tell(record);
+}
+
 void Operations::make_room(SessionKey session) {
   const auto of_session = [&](const OperationRecord& r) { return r.session == session; };
   if (static_cast<std::size_t>(std::count_if(records_.begin(), records_.end(), of_session)) < kMostRecords) return;
-  // Extractions go first: nobody comes back for them, and exports are files that somebody may still fetch.
+  // Extractions go first: nobody comes back for them, and exports and films are files that somebody may still fetch.
   for (const bool extractions : {true, false})
     for (auto it = records_.begin(); it != records_.end(); ++it)
-      if (of_session(*it) && it->status != Status::running && (it->request == 0) == extractions) {
+      if (of_session(*it) && it->status != Status::running && (it->kind == "extract") == extractions) {
         remove_file(*it);
         records_.erase(it);
         return;
@@ -91,6 +105,7 @@ void Operations::tell(OperationRecord& record) {
 }
 
 void Operations::finish(OperationRecord& record, std::optional<v1::Error> error, boost::json::object result) {
+  record.stop = nullptr;
   record.status = !error ? Status::done : error->code() == "cancelled" ? Status::cancelled : Status::failed;
   if (!error) record.fraction = 1;
   record.error = std::move(error);
@@ -119,8 +134,17 @@ std::size_t Operations::running() const {
       std::count_if(records_.begin(), records_.end(), [](const auto& r) { return r.status == Status::running; }));
 }
 
+bool Operations::room_for_file(const std::string& session_id) const {
+  return std::count_if(records_.begin(), records_.end(), [&](const OperationRecord& r) {
+           return r.session_id == session_id && (r.kind == "export" || r.kind == "film") && (r.status == Status::running || r.status == Status::done);
+         }) < static_cast<std::ptrdiff_t>(kMostFiles);
+}
+
 void Operations::cancel(OperationRecord& record) {
-  if (record.status == Status::running) sessions_.post(CancelRequest{record.session, record.engine_number, record.request});
+  if (record.status != Status::running) return;
+  if (!record.stop) return sessions_.post(CancelRequest{record.session, record.engine_number, record.request});
+  record.stop();
+  finish(record, wire_error(RequestFailed{0, 0, 0, ErrorCode::cancelled, "a person has ended it"}));
 }
 
 void Operations::forget(const OperationRecord& record) {
@@ -139,7 +163,7 @@ std::shared_ptr<EventStream> Operations::listen(OperationRecord& record) {
 
 std::filesystem::path Operations::new_file(const std::string& extension) {
   if (!folder_) folder_.emplace(temporary_base(), "isostrata-exports-");
-  return folder_->path() / ("export-" + std::to_string(++last_file_) + "." + extension);
+  return folder_->path() / ("file-" + std::to_string(++last_file_) + "." + extension);
 }
 
 void Operations::session_ended(const Session& session) {
@@ -150,6 +174,7 @@ void Operations::session_ended(const Session& session) {
     }
     // Whoever still works for it is told in a moment that the session has ended; a file that is complete by then goes with the
     // folder.
+    if (it->status == Status::running && it->stop) it->stop();
     if (it->status == Status::running)
       finish(*it, wire_error(RequestFailed{0, 0, 0, ErrorCode::cancelled, "the session has ended"}));
     remove_file(*it);

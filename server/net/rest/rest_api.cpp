@@ -97,7 +97,7 @@ std::vector<Route> RestApi::all_routes(RestContext& context, const std::string& 
                       call.reply({200, "application/openapi+json", document, {{"Cache-Control", "no-cache"}}});
                     }});
   for (const auto add : {add_server_routes, add_dataset_routes, add_thumbnail_routes, add_session_routes, add_state_routes, add_scene_routes,
-                         add_interval_routes, add_picture_routes, add_probe_routes, add_operation_routes, add_people_routes})
+                         add_interval_routes, add_picture_routes, add_probe_routes, add_operation_routes, add_film_routes, add_people_routes})
     add(routes, context);
   return routes;
 }

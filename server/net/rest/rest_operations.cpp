@@ -25,16 +25,17 @@ OperationRecord* operation_of(RestContext& context, const Call& call, const char
   return record;
 }
 
-OperationRecord* export_of(RestContext& context, const Call& call) {
-  OperationRecord* record = operation_of(context, call, "export");
-  if (record && record->kind != "export") {
-    call.reply(problem(wire_error("not_found", "operation '" + record->id + "' is not an export", "export")));
+}  // namespace
+
+OperationRecord* file_operation(RestContext& context, const Call& call, const char* kind) {
+  OperationRecord* record = operation_of(context, call, kind);
+  if (record && record->kind != kind) {
+    call.reply(problem(wire_error("not_found", "operation '" + record->id + "' is of another kind: " + record->kind, kind)));
     return nullptr;
   }
   return record;
 }
 
-// Running: cancels it; ended: forgets it, and its file.
 void end_operation(RestContext& context, const Call& call, OperationRecord& record) {
   if (record.status != Status::running) {
     context.operations.forget(record);
@@ -43,6 +44,37 @@ void end_operation(RestContext& context, const Call& call, OperationRecord& reco
   context.operations.cancel(record);
   call.reply(json_response(202, to_json(record)));
 }
+
+std::optional<std::filesystem::path> new_file(RestContext& context, const Call& call, const std::string& extension) {
+  try {
+    if (context.operations.room_for_file(call.session->id())) return context.operations.new_file(extension);
+    call.reply(problem(wire_error("unavailable", "this session has " + std::to_string(Operations::kMostFiles) +
+                                                     " exports and films already; DELETE one that is not needed any more")));
+  } catch (const Error& error) {
+    call.reply(problem(wire_error(to_string(error.code()), error.what())));
+  }
+  return std::nullopt;
+}
+
+void answer_begun(const Call& call, const OperationRecord& record) {
+  HttpResponse response = json_response(202, to_json(record));
+  response.headers.emplace_back("Location", "sessions/" + record.session_id + "/operations/" + record.id);
+  call.reply(std::move(response));
+}
+
+void answer_file(RestContext& context, const Call& call, const char* kind) {
+  OperationRecord* record = file_operation(context, call, kind);
+  if (!record) return;
+  if (record->status != Status::done)
+    return call.reply(problem(409, record->status == Status::running ? "unavailable" : "not_found",
+                              "this " + record->kind + " is " + to_string(record->status) + ": there is no file"));
+  HttpResponse response{200, record->media_type, "", {{"Cache-Control", "no-store"}}};
+  response.headers.emplace_back("Content-Disposition", "attachment; filename=\"" + record->file_name + "\"");
+  response.file = record->file;
+  call.reply(std::move(response));
+}
+
+namespace {
 
 std::optional<v1::Error> check_export(const v1::NewExport& wanted, const Session& session, WriteOptions& options) {
   if (wanted.format() != "vtu" && wanted.format() != "vtkhdf" && wanted.format() != "ply" && wanted.format() != "stl")
@@ -79,18 +111,8 @@ void begin_export(RestContext& context, const Call& call) {
   Session& session = *call.session;
   if (auto error = parse_message(call.request.body, wanted)) return call.reply(problem(*error));
   if (auto error = check_export(wanted, session, options)) return call.reply(problem(*error));
-  std::size_t exports = 0;
-  for (const OperationRecord* record : context.operations.list(session.id()))
-    exports += record->kind == "export" && (record->status == Status::running || record->status == Status::done);
-  if (exports >= Operations::kMostExports)
-    return call.reply(problem(wire_error("unavailable", "this session has " + std::to_string(exports) +
-                                                            " exports already; DELETE one that is not needed any more")));
-  const auto file = std::make_shared<std::filesystem::path>();
-  try {
-    *file = context.operations.new_file(wanted.format());
-  } catch (const Error& error) {
-    return call.reply(problem(wire_error(to_string(error.code()), error.what())));
-  }
+  const std::optional<std::filesystem::path> file = new_file(context, call, wanted.format());
+  if (!file) return;
   const auto id = std::make_shared<std::string>();
   const std::uint64_t revision = session.scene().revision;
   const RequestId request =
@@ -126,21 +148,7 @@ void begin_export(RestContext& context, const Call& call) {
                       : wanted.format() == "stl" ? "model/stl"
                                                  : "model/ply";
   record.file_name = "layers-" + std::to_string(revision) + "." + wanted.format();
-  HttpResponse response = json_response(202, to_json(record));
-  response.headers.emplace_back("Location", "sessions/" + session.id() + "/operations/" + record.id);
-  call.reply(std::move(response));
-}
-
-void download(RestContext& context, const Call& call) {
-  OperationRecord* record = export_of(context, call);
-  if (!record) return;
-  if (record->status != Status::done)
-    return call.reply(problem(409, record->status == Status::running ? "unavailable" : "not_found",
-                              std::string("this export is ") + to_string(record->status) + ": there is no file"));
-  HttpResponse response{200, record->media_type, "", {{"Cache-Control", "no-store"}}};
-  response.headers.emplace_back("Content-Disposition", "attachment; filename=\"" + record->file_name + "\"");
-  response.file = record->file;
-  call.reply(std::move(response));
+  answer_begun(call, record);
 }
 
 }  // namespace
@@ -154,7 +162,7 @@ void add_operation_routes(std::vector<Route>& routes, RestContext& context) {
                     .summary = "What runs and what ran in the session",
                     .description =
                         "Datasets that are being opened (with Prefer: respond-async), extractions that take longer than a tenth "
-                        "of a second, exports. At most 32 are kept.",
+                        "of a second, exports, films. At most 32 are kept.",
                     .answers = {{200, "In the order they began", "Operations"}},
                     .handler = [&context](Call call) {
                       json::array list;
@@ -204,7 +212,7 @@ void add_operation_routes(std::vector<Route>& routes, RestContext& context) {
        .id = "createExport",
        .tag = "exports",
        .summary = "Writes the session's layers to a mesh file",
-       .description = "All intervals of the state as it is now, hidden ones too. At most four are kept for a session.",
+       .description = "All intervals of the state as it is now, hidden ones too. At most four files, exports and films, are kept for a session.",
        .body = RequestBody{"NewExport", "Which format"},
        .answers = {{202, "It is being written; Location names the operation", "Operation"}},
        .handler = [&context](Call call) { begin_export(context, call); }});
@@ -214,7 +222,7 @@ void add_operation_routes(std::vector<Route>& routes, RestContext& context) {
                     .tag = "exports",
                     .summary = "The mesh file of an export that is done",
                     .answers = {{200, "The file", "", "application/vnd.vtk.vtu+xml", {"application/x-hdf5", "model/ply", "model/stl"}}},
-                    .handler = [&context](Call call) { download(context, call); }});
+                    .handler = [&context](Call call) { answer_file(context, call, "export"); }});
   routes.push_back({.method = "DELETE",
                     .path = "/sessions/{session}/exports/{export}",
                     .id = "deleteExport",
@@ -222,7 +230,7 @@ void add_operation_routes(std::vector<Route>& routes, RestContext& context) {
                     .summary = "Removes an export's file, or cancels the export",
                     .answers = {{202, "It is asked to end", "Operation"}, {204, "The file is removed", ""}},
                     .handler = [&context](Call call) {
-                      if (OperationRecord* record = export_of(context, call)) end_operation(context, call, *record);
+                      if (OperationRecord* record = file_operation(context, call, "export")) end_operation(context, call, *record);
                     }});
 }
 

@@ -1,6 +1,8 @@
 // The routes of the REST API, group by group, and what they share. Each group is a file of its own: rest_*.cpp.
 #pragma once
 
+#include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +30,7 @@ void add_interval_routes(std::vector<Route>& routes, RestContext& context);   //
 void add_picture_routes(std::vector<Route>& routes, RestContext& context);    // images, histogram, statistics
 void add_probe_routes(std::vector<Route>& routes, RestContext& context);      // what lies at a place of the picture
 void add_operation_routes(std::vector<Route>& routes, RestContext& context);  // long work; mesh files
+void add_film_routes(std::vector<Route>& routes, RestContext& context);       // films
 
 void add_people_routes(std::vector<Route>& routes, RestContext& context);     // who is in a session, and invitations
 
@@ -56,6 +59,17 @@ void answer_histogram(RestContext& context, const Call& call, SessionKey session
 void answer_statistics(RestContext& context, const Call& call, SessionKey session, const DatasetFacts& facts, int step,
                        const std::string& otherwise);
 using AnswerNumbers = decltype(&answer_histogram);
+
+/// The session's operation that the path names by its kind, "export" or "film". Null after having replied that there is none.
+OperationRecord* file_operation(RestContext& context, const Call& call, const char* kind);
+/// Answers its file, or that there is none.
+void answer_file(RestContext& context, const Call& call, const char* kind);
+/// Running: cancels it; ended: forgets it, and its file.
+void end_operation(RestContext& context, const Call& call, OperationRecord& record);
+/// A name for one more file of the session. Nothing after having replied why not.
+std::optional<std::filesystem::path> new_file(RestContext& context, const Call& call, const std::string& extension);
+/// 202, with the operation's place.
+void answer_begun(const Call& call, const OperationRecord& record);
 
 inline const QueryParameter kArrayParameter{"array", "An array's name; absent: the first, or the one that is shown"};
 inline const QueryParameter kStepParameter{"step", "A time step, from 0", true, 0, INT32_MAX, "0"};

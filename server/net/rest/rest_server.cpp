@@ -21,7 +21,7 @@ json::object limits_object() {
           {"maxPixels", kMaxPixels},
           {"maxBins", kMaxBins},
           {"maxBodyBytes", kMaxMessageBytes},
-          {"maxExports", Operations::kMostExports},
+          {"maxExports", Operations::kMostFiles},
           {"maxOperations", Operations::kMostRecords}};
 }
 

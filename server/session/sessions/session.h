@@ -59,6 +59,8 @@ class Session final : private SessionDataset::Audience {
   /// What a journal keeps of it.
   journal::Entry entry() const;
   const Scene& scene() const { return state_.scene; }
+  /// The scene as the engine is told it.
+  Scene drawn() const;
   v1::State wire_state() const;
   /// Of the dataset that is open; null: none is.
   const DatasetFacts* dataset() const { return dataset_.facts(); }
@@ -148,8 +150,6 @@ class Session final : private SessionDataset::Audience {
   CommandContext context(const Viewer* viewer = nullptr) const { return {dataset_.facts(), viewer ? viewer->frames.aspect() : 1}; }
   bool seen() const;
   bool drawable() const { return dataset_.facts() && !state_.scene.dataset.empty(); }
-  /// The scene as the engine is told it.
-  Scene drawn() const;
 
   /// What has changed the scene. Of cameras more may follow at once: engine, viewers and journal need not hear of each.
   enum class Cause { command, camera, clock };

@@ -296,6 +296,12 @@ void Sessions::on_event(const EngineEvent& from_engine, TimePoint now) {
     session->on_event(event, now);
 }
 
+std::shared_ptr<Film> Sessions::begin_film(FilmPlan plan, const std::filesystem::path& file, Film::Ports ports) {
+  auto film = std::make_shared<Film>(requests_, ++last_session_, std::move(plan), file, std::move(ports));
+  film->begin();
+  return film;
+}
+
 TimePoint Sessions::tick(TimePoint now) {
   now_ = now;
   TimePoint next = now + std::chrono::seconds(1);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <chrono>
+#include <filesystem>
 #include <functional>
 #include <map>
 #include <memory>
@@ -10,6 +11,7 @@
 #include <vector>
 
 #include "session/datasets/engine_requests.h"
+#include "session/films/film.h"
 #include "session/journal/journal.h"
 #include "session/sessions/greetings.h"
 #include "session/sessions/session.h"
@@ -97,6 +99,8 @@ class Sessions final : public SessionKeeper {
   void post(EngineRequest request) { requests_.post(std::move(request)); }
   RequestId ask(EngineRequest request, EngineDoor::Listener listener) { return requests_.ask(std::move(request), std::move(listener)); }
   void give_up(RequestId request) { requests_.give_up(request); }
+  /// Goes on until its end, or cancel(), whatever becomes of the session that it is of.
+  std::shared_ptr<Film> begin_film(FilmPlan plan, const std::filesystem::path& file, Film::Ports ports);
 
  private:
   ViewerBudget& viewer_budget() override { return viewer_budget_; }
