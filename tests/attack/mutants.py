@@ -277,6 +277,9 @@ def escapes(program, place, counts):
             f"{way}, mhd": ("a.mhd", f"NDims = 3\nDimSize = 6 5 4\nElementType = MET_FLOAT\nElementDataFile = {to}/field.raw\n"),
             f"{way}, mhd list": ("a.mhd", f"NDims = 3\nDimSize = 6 5 2\nElementType = MET_FLOAT\nElementDataFile = LIST\n{to}/plane_001.raw\n{to}/plane_002.raw\n"),
             f"{way}, mhd pattern": ("a.mhd", f"NDims = 3\nDimSize = 6 5 4\nElementType = MET_FLOAT\nElementDataFile = {to}/plane_%03d.raw 1 4 1\n"),
+            f"{way}, bov": ("a.bov", f"DATA_FILE: {to}/field.raw\nDATA_SIZE: 6 5 4\nDATA_FORMAT: FLOAT\n"),
+            f"{way}, volvis": ("a.dat", f"ObjectFileName: {to}/field.raw\nResolution: 6 5 4\nFormat: FLOAT\n"),
+            f"{way}, mih": ("a.mih", f"mrtrix image\ndim: 6,5,4\nvox: 1,1,1\nlayout: +0,+1,+2\ndatatype: Float32LE\nfile: {to}/field.raw 0\nEND\n"),
             f"{way}, case": ("a.case", (outside / "box.case").read_text().replace("box.geo", f"{to}/box.geo").replace(" c_", f" {to}/c_").replace(" f_", f" {to}/f_")),
             f"{way}, XML entity": ("a.vtu", f'<!DOCTYPE x [<!ENTITY e SYSTEM "{to}/ascii.vtu">]>\n' + right.replace("<Piece", "&e;<Piece", 1)),
         }

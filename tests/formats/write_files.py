@@ -21,11 +21,12 @@ import hdf5_files
 import mesh_files
 import netCDF4
 import netcdf_files
-import tecplot_files
 import numpy as np
 import PIL.Image
 import PIL.TiffImagePlugin
 import pydicom
+import raw_files
+import tecplot_files
 import xarray_files
 import xdmf_files
 import zarr_files
@@ -720,6 +721,7 @@ def main():
     freesurfer()
     mesh_files.write(expect)
     tecplot_files.write(FIELD, expect)
+    raw_files.write(FIELD, lattice, expect)
     openfoam_cases()
     ensight()
     older_and_binary_ensight()

@@ -21,6 +21,7 @@
 #include "data/files/nifti_mark.h"
 #include "data/files/openfoam_case.h"
 #include "data/files/plotfile_folder.h"
+#include "data/files/raw_name.h"
 #include "data/files/zarr_folder.h"
 
 namespace isostrata {
@@ -92,6 +93,13 @@ bool begins_as_tecplot(std::string_view head) {
   const std::string small = small_letters(std::string(head));
   const std::string first = small.substr(0, small.find_first_of(" \t\r\n=\""));
   return (first == "title" || first == "variables" || first == "filetype") && small.find("variables") != std::string::npos;
+}
+
+/// A text of lines that name a raw file and say how many values it has: volvis.org's and Inviwo's.
+bool begins_as_volume_text(std::string_view head) {
+  const std::string small = small_letters(std::string(head));
+  const auto has_line = [&](const std::string& key) { return small.starts_with(key) || small.find("\n" + key) != std::string::npos; };
+  return (has_line("objectfilename:") || has_line("rawfile:")) && has_line("resolution:") && small.find('\0') == std::string::npos;
 }
 
 /// The first files of a folder, in no order.
@@ -178,6 +186,7 @@ bool is_vasp(const std::string& file, std::string_view head) {
 
 /// What is inside gzip, its name says.
 void check_packed(const std::string& inner, const std::string& name) {
+  if (says_raw_sizes(inner)) return;
   for (const ForeignFormat& foreign : foreign_formats())
     if (ends_with_one_of(inner, foreign.extensions)) refuse(foreign, name);
   const bool known = std::any_of(file_formats().begin(), file_formats().end(), [&](const FileFormat& of) { return ends_with_one_of(inner, of.extensions); });
@@ -201,6 +210,7 @@ void refuse_microscope(const std::string& file, const std::string& name) {
   if (ends_with_one_of(file, ".nc .cdf .nc4 .vtkhdf .h5 .hdf5 .hdf"))
     throw Error(ErrorCode::bad_data, name + ": expected netCDF or HDF5 by its name; it begins as neither");
   if (file.ends_with(".zarr")) throw Error(ErrorCode::bad_data, name + ": expected a folder, as a Zarr array or image is; this is a file");
+  if (ends_with_one_of(file, extensions_of(FileKind::mrtrix))) throw Error(ErrorCode::bad_data, name + ": expected 'mrtrix image' at its start");
   if (file.ends_with(".npz")) throw Error(ErrorCode::bad_data, name + ": expected a ZIP archive, as NumPy's .npz is");
   if (ends_with_one_of(file, extensions_of(FileKind::fits))) throw Error(ErrorCode::bad_data, name + ": expected 'SIMPLE  =' at its start, as FITS has it");
   if (file.ends_with(".npy")) throw Error(ErrorCode::bad_data, name + ": expected '\\x93NUMPY' at its start");
@@ -302,9 +312,15 @@ Recognised recognise(const fs::path& path) {
   if (head.starts_with("#!TDV") || (ends_with_one_of(file, extensions_of(FileKind::tecplot)) && begins_as_tecplot(head))) return {FileKind::tecplot, {}};
   if (head.starts_with("$NOD")) throw Error(ErrorCode::unsupported, name + ": is of version 1 of Gmsh's format; expected 2.2 or 4.1: gmsh IN.msh -save -format msh41 -o OUT.msh");
   if (begins_as_meta_image(head)) return {FileKind::meta_image, {}};
-  for (const FileKind kind : {FileKind::meta_image, FileKind::slc, FileKind::series, FileKind::xdmf, FileKind::gaussian_cube, FileKind::xsf, FileKind::frd, FileKind::ensight, FileKind::cgns})
+  if (head.starts_with("mrtrix image")) return {FileKind::mrtrix, {}};
+  if (head.starts_with("# AmiraMesh") || head.starts_with("# Avizo")) return {FileKind::amira, {}};
+  if (begins_as_volume_text(head)) return {FileKind::volume_text, {}};
+  if (ends_with_one_of(file, extensions_of(FileKind::opendx)) && head.find("class gridpositions") != std::string::npos) return {FileKind::opendx, {}};
+  for (const FileKind kind : {FileKind::meta_image, FileKind::slc, FileKind::series, FileKind::xdmf, FileKind::gaussian_cube, FileKind::xsf, FileKind::frd, FileKind::ensight, FileKind::cgns, FileKind::bov})
     if (ends_with_one_of(file, extensions_of(kind))) return {kind, {}};
   if (is_vasp(file, head)) return {FileKind::vasp, {}};
+  const std::uintmax_t bytes = fs::file_size(path, error);
+  if (!error && raw_name(name, bytes)) return {FileKind::raw, {}};
   if (ends_with_one_of(file, ".mrc .mrcs")) return {FileKind::mrc, {}};  // before 2000 without a mark
   const std::string stem = small_letters(path.stem().string());
   const bool text = std::any_of(foreign_formats().begin(), foreign_formats().end(),

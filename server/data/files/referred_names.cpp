@@ -88,6 +88,19 @@ std::vector<std::string> of_xdmf(std::string_view text) {
   return {names.begin(), names.end()};
 }
 
+std::vector<std::string> of_volume_text(const std::string& text) {
+  std::vector<std::string> names = of_header(text, "rawfile", ':');
+  return names.empty() ? of_header(text, "objectfilename", ':') : names;
+}
+
+/// "file: . 512" is the file itself.
+std::vector<std::string> of_mrtrix(const std::string& text) {
+  std::vector<std::string> names = of_header(text.substr(0, text.find("\nEND")), "file", ':');
+  for (std::string& name : names) name = name.substr(0, name.find(' '));
+  std::erase(names, ".");
+  return names;
+}
+
 /// What holds the values of a pair is the header's.
 std::vector<std::string> of_nifti_header(const std::filesystem::path& file) {
   if (small_letters(file.extension().string()) != ".hdr") return {};
@@ -112,6 +125,12 @@ std::vector<std::string> referred_names(const std::filesystem::path& file, const
       return of_header(file_beginning(file), "data file", ':');
     case FileKind::meta_image:
       return of_header(file_beginning(file), "elementdatafile", '=');
+    case FileKind::bov:
+      return of_header(file_beginning(file), "data_file", ':');
+    case FileKind::volume_text:
+      return of_volume_text(file_beginning(file));
+    case FileKind::mrtrix:
+      return of_mrtrix(file_beginning(file));
     case FileKind::ensight:
       return of_ensight(file_beginning(file));
     case FileKind::nifti:

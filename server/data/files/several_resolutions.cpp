@@ -36,7 +36,7 @@ bool is_structured(const Recognised& of) {
   switch (of.kind) {
     case FileKind::vtk_xml: return of.vtk_type == "ImageData" || of.vtk_type == "RectilinearGrid" || of.vtk_type == "StructuredGrid";
     case FileKind::vtk_legacy: case FileKind::nrrd: case FileKind::meta_image: case FileKind::nifti: case FileKind::numpy: case FileKind::npz: case FileKind::fits:
-    case FileKind::mrc: case FileKind::hdf5: case FileKind::slc: case FileKind::gaussian_cube: case FileKind::xsf: case FileKind::vasp: case FileKind::mgh: case FileKind::netcdf: case FileKind::gzip:
+    case FileKind::mrc: case FileKind::hdf5: case FileKind::slc: case FileKind::gaussian_cube: case FileKind::xsf: case FileKind::vasp: case FileKind::mgh: case FileKind::raw: case FileKind::bov: case FileKind::volume_text: case FileKind::mrtrix: case FileKind::opendx: case FileKind::amira: case FileKind::netcdf: case FileKind::gzip:
       return true;
     default: return false;
   }

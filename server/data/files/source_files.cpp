@@ -43,6 +43,12 @@ bool says_what_it_reads(FileKind kind) {
     case FileKind::gmsh:
     case FileKind::frd:
     case FileKind::tecplot:
+    case FileKind::raw:
+    case FileKind::bov:
+    case FileKind::volume_text:
+    case FileKind::mrtrix:
+    case FileKind::opendx:
+    case FileKind::amira:
     case FileKind::netcdf:
     case FileKind::slc:
       return true;

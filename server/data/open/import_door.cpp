@@ -98,7 +98,7 @@ bool is_kept(const fs::path& directory, const std::string& origin) {
 
 bool may_lie_in_place(const fs::path& file) {
   const std::string ending = small_letters(file.extension().string());
-  static constexpr std::array<std::string_view, 6> kEndings{".nrrd", ".nhdr", ".mha", ".mhd", ".vti", ".npy"};
+  static constexpr std::array<std::string_view, 10> kEndings{".nrrd", ".nhdr", ".mha", ".mhd", ".vti", ".npy", ".raw", ".bov", ".mif", ".am"};
   return std::find(kEndings.begin(), kEndings.end(), ending) != kEndings.end();
 }
 

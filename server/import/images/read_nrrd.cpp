@@ -19,6 +19,30 @@ struct NrrdAxes {
   std::optional<std::size_t> time;
 };
 
+/// Which of x, y and z an axis runs along; nothing if it runs along none of them alone.
+std::optional<int> along_one(const NrrdAxis& axis) {
+  if (!axis.direction) return std::nullopt;
+  std::optional<int> found;
+  for (int a = 0; a < 3; ++a) {
+    if ((*axis.direction)[static_cast<std::size_t>(a)] == 0) continue;
+    if (found) return std::nullopt;
+    found = a;
+  }
+  return found;
+}
+
+/// Puts axes of space that run along z, x and y in the order of x, y and z: a grid that is uniform then, and would be curvilinear.
+void order_axes(const NrrdHeader& header, std::vector<std::size_t>& space) {
+  if (space.size() != 3) return;
+  std::vector<std::size_t> ordered(3, header.axes.size());
+  for (const std::size_t a : space) {
+    const auto along = along_one(header.axes[a]);
+    if (!along || ordered[static_cast<std::size_t>(*along)] != header.axes.size()) return;
+    ordered[static_cast<std::size_t>(*along)] = a;
+  }
+  space = ordered;
+}
+
 NrrdAxes sort_axes(const NrrdHeader& header, const std::string& name) {
   NrrdAxes axes;
   std::int64_t components = 1;
@@ -38,6 +62,7 @@ NrrdAxes sort_axes(const NrrdHeader& header, const std::string& name) {
   if (components > kMostNrrdComponents)
     throw Error(ErrorCode::unsupported, name + ": " + std::to_string(components) +
                                             " components in each point; expected at most " + std::to_string(kMostNrrdComponents));
+  order_axes(header, axes.space);
   return axes;
 }
 
@@ -62,7 +87,7 @@ std::vector<std::byte> load_values(const ReadRequest& request, const NrrdHeader&
 }
 
 /// [points][components] at one time step, x fastest.
-FileArray gather(const NrrdHeader& header, const NrrdAxes& axes, std::span<const std::byte> values, int step) {
+FileArray gather(const NrrdHeader& header, const NrrdAxes& axes, std::span<const std::byte> values, int step, const std::string& named) {
   const std::size_t width = size_of(header.type);
   std::vector<std::size_t> strides(header.axes.size());
   std::size_t stride = 1;
@@ -85,7 +110,7 @@ FileArray gather(const NrrdHeader& header, const NrrdAxes& axes, std::span<const
   const std::size_t first = axes.time ? static_cast<std::size_t>(step) * strides[*axes.time] : 0;
 
   FileArray array;
-  array.name = "scalars";
+  array.name = named;
   array.type = header.type;
   array.components = static_cast<int>(component_offsets.size());
   auto [storage, out] = allocate<std::byte>(n[0] * n[1] * n[2] * component_offsets.size() * width);
@@ -111,7 +136,7 @@ FileArray gather(const NrrdHeader& header, const NrrdAxes& axes, std::span<const
 
 /// The step's values as they lie in the one file that has them, if they are what gather() would copy: x, y and z in this order, then time.
 std::optional<FileArray> in_place(const ReadRequest& request, const NrrdHeader& header, const NrrdAxes& axes, const std::shared_ptr<const MappedFile>& main,
-                                  std::vector<std::string>& notes) {
+                                  const std::string& named, std::vector<std::string>& notes) {
   const bool in_order = axes.component.empty() && (!axes.time || *axes.time + 1 == header.axes.size()) &&
                         std::is_sorted(axes.space.begin(), axes.space.end());
   if (!in_order || header.data_files.size() > 1 || header.encoding != NrrdEncoding::raw) return std::nullopt;
@@ -131,7 +156,7 @@ std::optional<FileArray> in_place(const ReadRequest& request, const NrrdHeader& 
   const std::size_t steps = axes.time ? static_cast<std::size_t>(header.axes[*axes.time].size) : 1;
   const std::size_t step_bytes = all->size() / steps;
   FileArray array;
-  array.name = "scalars";
+  array.name = named;
   array.type = header.type;
   array.values = all->subspan(static_cast<std::size_t>(request.step) * step_bytes, step_bytes);
   array.storage = of;
@@ -187,10 +212,14 @@ void place(Block& block, const NrrdHeader& header, const NrrdAxes& axes, const s
 }  // namespace
 
 Imported read_nrrd(const ReadRequest& request) {
-  const std::string name = request.file.filename().string();
   const auto file = std::make_shared<const MappedFile>(request.file);
   const auto bytes = file->bytes();
-  const NrrdHeader header = parse_nrrd_header({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, name);
+  const NrrdHeader header = parse_nrrd_header({reinterpret_cast<const char*>(bytes.data()), bytes.size()}, request.file.filename().string());
+  return read_described(request, header, file, "scalars");
+}
+
+Imported read_described(const ReadRequest& request, const NrrdHeader& header, const std::shared_ptr<const MappedFile>& file, const std::string& array) {
+  const std::string name = request.file.filename().string();
   const NrrdAxes axes = sort_axes(header, name);
   Imported imported;
   if (axes.time) {
@@ -206,13 +235,13 @@ Imported read_nrrd(const ReadRequest& request) {
   const std::int64_t all = checked_product({header.values(), static_cast<std::int64_t>(size_of(header.type))}, name);
   Block block;
   place(block, header, axes, name);
-  if (auto array = in_place(request, header, axes, file, imported.notes)) {
-    block.arrays.push_back(std::move(*array));
+  if (auto there = in_place(request, header, axes, file, array, imported.notes)) {
+    block.arrays.push_back(std::move(*there));
   } else {
     check_bytes(request, static_cast<std::uint64_t>(all), name);
     const std::vector<std::byte> values = load_values(request, header, *file, imported.notes);
     request.progress(0.4);
-    block.arrays.push_back(gather(header, axes, values, request.step));
+    block.arrays.push_back(gather(header, axes, values, request.step, array));
   }
   block.arrays.back().unit = header.unit;
   const bool in_space = header.origin || header.space_units[0] != "" || std::any_of(header.axes.begin(), header.axes.end(), [](const NrrdAxis& axis) { return axis.direction.has_value(); });

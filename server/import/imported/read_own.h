@@ -26,6 +26,24 @@ Imported read_imaris(const ReadRequest& request);
 /// The same of netCDF whose axes do not say what they are.
 Imported read_netcdf_plainly(const ReadRequest& request);
 
+/// Raw numbers whose name says what they are (data/files/raw_name.h).
+Imported read_raw(const ReadRequest& request);
+
+/// VisIt's .bov: one raw file, at points or in cells.
+Imported read_bov(const ReadRequest& request);
+
+/// The text beside a raw file of volvis.org and of Inviwo.
+Imported read_volume_text(const ReadRequest& request);
+
+/// MRtrix's .mif and .mih.
+Imported read_mrtrix(const ReadRequest& request);
+
+/// OpenDX: a regular grid as text.
+Imported read_opendx(const ReadRequest& request);
+
+/// AmiraMesh: fields on a uniform lattice.
+Imported read_amira(const ReadRequest& request);
+
 /// Gaussian's .cube: every field on its grid.
 Imported read_gaussian_cube(const ReadRequest& request);
 
