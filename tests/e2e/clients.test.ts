@@ -1,7 +1,6 @@
 // One vocabulary: a person looks at the page while curl, the C++ client and the Python package each move a layer of the same session.
 import { execFile } from 'node:child_process';
-import { existsSync, mkdtempSync, readFileSync, rmSync } from 'node:fs';
-import { tmpdir } from 'node:os';
+import { existsSync, readFileSync, rmSync } from 'node:fs';
 import { dirname, join } from 'node:path';
 import { promisify } from 'node:util';
 import type { Browser } from 'playwright-core';
@@ -63,22 +62,6 @@ test('the C++ client moves an interval that a browser is watching', async () => 
   await seesItMove(0.2, 0.6, () =>
     run(join(dirname(binary), 'isostrata-client'), [server.ready.url, 'set', '--session', viewer.sessionId, '--move', `${layer().id}=0.2:0.6`]),
   );
-});
-
-test('the command that the page shows for it makes a film of a turn', async () => {
-  await viewer.page.getByRole('button', { name: 'Screenshot: size and contents' }).click();
-  await viewer.page.getByLabel('Width x height in pixels').fill('64x48');
-  const command = await viewer.page.getByLabel('The command that makes it').inputValue();
-  expect(command).toContain('--size 64x48');
-  await viewer.photograph('film-of-a-turn.png');
-  const folder = mkdtempSync(join(tmpdir(), 'isostrata-e2e-film-'));
-  try {
-    // As in a terminal, but for its length.
-    await run('sh', ['-c', `${command} --frames 5`], { cwd: folder, env: { ...process.env, PATH: `${dirname(binary)}:${process.env.PATH}`, URL: server.ready.url } });
-    expect(readFileSync(join(folder, 'turn.webm')).subarray(0, 4).toString('hex')).toBe('1a45dfa3'); // EBML
-  } finally {
-    rmSync(folder, { recursive: true, force: true });
-  }
 });
 
 test('the Python package moves an interval that a browser is watching', async () => {

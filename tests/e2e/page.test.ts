@@ -480,14 +480,14 @@ describe('the rest of the page', () => {
     // Without axes, box and legend it is the picture on the screen; with them it is not.
     const pixels = (bytes: Buffer) => viewer.pixels(bytes);
     expect(difference(picture, await pixels(shown.bytes))).toBeGreaterThan(0.2);
-    await page.getByRole('button', { name: 'Screenshot: size and contents' }).click();
+    await page.getByRole('button', { name: 'Screenshot: size and contents, films' }).click();
     for (const what of ['axes', 'box', 'legend']) await page.getByRole('checkbox', { name: what, exact: true }).uncheck();
     expect(difference(picture, await pixels((await save('Save PNG')).bytes))).toBe(0);
 
-    await page.getByRole('button', { name: 'Screenshot: size and contents' }).click();
+    await page.getByRole('button', { name: 'Screenshot: size and contents, films' }).click();
     await page.getByRole('radio', { name: 'twice that' }).check();
     expect((await save('Save PNG')).size).toEqual([2 * picture.width, 2 * picture.height]);
-    await page.getByRole('button', { name: 'Screenshot: size and contents' }).click();
+    await page.getByRole('button', { name: 'Screenshot: size and contents, films' }).click();
     const typed = page.getByRole('textbox', { name: 'Width x height in pixels' });
     await typed.fill('99999x1');
     expect(await page.getByRole('button', { name: 'Save PNG' }).isDisabled()).toBe(true);

@@ -174,6 +174,10 @@ test('every operation of the document can be called, and answers what the docume
     if (format === 'vtu') await answers.call('deleteOperation', { session, operation });
     else await answers.call('deleteExport', { session, export: operation });
   }
+  const film = (await answers.call('createFilm', at, { turnDeg: 90, seconds: 0.2, width: 64, height: 48 })).json.id as string;
+  expect((await answers.call('watchOperation', { session, operation: film })).text).toMatch(/event: done\n/);
+  await answers.call('getFilm', { session, film });
+  await answers.call('deleteFilm', { session, film });
   await answers.call('getEngine');
   await answers.call('listParticipants', at);
   await answers.call('putViewerSize', at, { width: 640, height: 360 });
@@ -189,6 +193,7 @@ test('every operation of the document can be called, and answers what the docume
     ['putCamera', at, { fovDeg: 'x' }],
     ['putView', at, { view: '?' }],
     ['createExport', at, { format: 'obj' }],
+    ['createFilm', at, {}],
   ] as [string, Record<string, string>, Json][])
     expect((await answers.call(id, path, body)).response.status).toBeGreaterThanOrEqual(400);
   await answers.call('deleteSession', at);

@@ -287,6 +287,24 @@ class Pictures(WithServer):
         self.assertTrue(told)
         self.assertEqual(s.rest.json("GET", f"sessions/{s.id}/operations")["operations"], [])
 
+    def test_films_are_made_of_turns_and_steps(self):
+        s = self.connect()
+        told = []
+        s.on_progress(lambda stage, fraction: told.append(stage))
+        with tempfile.TemporaryDirectory() as folder:
+            small = {"width": 64, "height": 48, "samples": 1}
+            s.film(Path(folder) / "turn.webm", turn=90, seconds=0.5, **small)
+            self.assertEqual((Path(folder) / "turn.webm").read_bytes()[:4], bytes.fromhex("1a45dfa3"))
+            self.assertIn("15 pictures", told)
+            s.film(Path(folder) / "step.webm", steps=slice(None), annotations=["box"], **small)
+            self.assertTrue((Path(folder) / "step.webm").exists())
+            self.assertRefused("invalid_argument", s.film, Path(folder) / "still.webm")
+            self.assertRefused("invalid_argument", s.film, Path(folder) / "turn.mp4", 90)
+            self.assertRefused("invalid_argument", s.film, Path(folder) / "none.webm", 0, range(5, 5))
+            self.assertRefused("invalid_argument", s.film, Path(folder) / "beyond.webm", 0, range(0, 99))
+            self.assertFalse((Path(folder) / "still.webm").exists())
+        self.assertEqual(s.rest.json("GET", f"sessions/{s.id}/operations")["operations"], [])
+
     def test_statistics_agree_with_the_histogram(self):
         s = self.connect()
         statistics, histogram = s.statistics(), s.histogram(bins=4096)

@@ -4,7 +4,7 @@ import App from './App.svelte';
 import './style.css';
 import { calm } from './lib/calm';
 import { Connection, type NotOpened, type Socket } from './lib/connection';
-import { Exports } from './lib/exports.svelte';
+import { MadeFile } from './lib/made-file.svelte';
 import { browserProbe, probeDecoders } from './lib/probe-decoders';
 import { saveBlob } from './lib/save-blob';
 import { SavedTab } from './lib/saved';
@@ -33,11 +33,12 @@ const thumbnails = new Thumbnails({
   forget: (url) => URL.revokeObjectURL(url),
 });
 
-const exports = new Exports({
-  ask: (path, method, body, signal) => fetch(apiUrl(path), { method, ...(signal ? { signal } : {}), ...(body ? { body, headers: { 'Content-Type': 'application/json' } } : {}) }),
-  save: saveBlob,
-  wait: (ms) => new Promise((done) => setTimeout(done, ms)),
-});
+const made = () =>
+  new MadeFile({
+    ask: (path, method, body, signal) => fetch(apiUrl(path), { method, ...(signal ? { signal } : {}), ...(body ? { body, headers: { 'Content-Type': 'application/json' } } : {}) }),
+    save: saveBlob,
+    wait: (ms) => new Promise((done) => setTimeout(done, ms)),
+  });
 
 /** A refused handshake looks like a dead server to a page; plain HTTP tells the two apart. */
 async function askWhy(): Promise<NotOpened> {
@@ -90,7 +91,7 @@ async function start(): Promise<void> {
     refines: wanted.get('samples') !== '1',
   });
 
-  mount(App, { target: document.getElementById('app') as HTMLElement, props: { session, theme, thumbnails, exports } });
+  mount(App, { target: document.getElementById('app') as HTMLElement, props: { session, theme, thumbnails, exports: made(), films: made() } });
   if (document.hidden) session.setHidden(true); // opened in a background tab
   session.start();
   setInterval(() => session.heartbeat(), 2000);

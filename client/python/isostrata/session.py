@@ -12,8 +12,9 @@ from google.protobuf import json_format
 
 from . import news, questions
 from .connection import Connection
-from .export import export, patiently
+from .errors import IsostrataError
 from .intervals import Intervals
+from .made_file import made_file, patiently
 from .picture import decode_image
 from .rest import Rest
 from .show import View
@@ -186,7 +187,36 @@ class Session(Shown):
     def export(self, path: str | PathLike[str], facets: Sequence[str] = ()) -> None:
         """The layers as a mesh file: .vtu or .vtkhdf (tetrahedra), .ply or .stl (their boundary, or of it what ``facets`` names: "lower", "upper",
         "domain"). ``on_progress`` hears of it; Ctrl-C takes the server's work with it."""
-        export(self._connection, self.rest, path, facets)
+        wanted = {"format": str(path).rpartition(".")[2].lower(), **({"facets": list(facets)} if facets else {})}
+        made_file(self._connection, self.rest, path, "exports", wanted)
+
+    def film(
+        self,
+        path: str | PathLike[str],
+        turn: float = 0,
+        steps: slice | range | None = None,
+        seconds: float = 0,
+        width: int = 1280,
+        height: int = 720,
+        fps: float = 30,
+        samples: int = 2,
+        annotations: Sequence[str] | None = None,
+    ) -> None:
+        """A film (.webm) of the session as it is now, made by the server, each picture exact: the camera turns by so many degrees about what it looks at, as
+        the right hand does about up; or the steps are shown one after the other (``range(0, 40)``, ``slice(None)``: all); or both. seconds: its length, by
+        default 6, or a tenth of a second for each step if the camera stands still. annotations: of "axes", "box", "legend"; None: the session's.
+        ``on_progress`` hears of it; Ctrl-C takes the server's work with it."""
+        if not str(path).lower().endswith(".webm"):
+            raise IsostrataError("invalid_argument", f"{path}: expected a name that ends in .webm", "path")
+        wanted: dict[str, Any] = {"width": width, "height": height, "turnDeg": turn, "seconds": seconds, "framesPerSecond": fps, "samples": samples}
+        if steps is not None:
+            shown = range(*steps.indices(len(self.info.times))) if isinstance(steps, slice) else steps
+            if not shown:
+                raise IsostrataError("invalid_argument", f"steps: {steps} has none", "steps")
+            wanted |= {"firstStep": shown[0], "lastStep": shown[-1], "stepStride": abs(shown.step)}
+        if annotations is not None:
+            wanted["annotations"] = {name: True for name in annotations}
+        made_file(self._connection, self.rest, path, "films", wanted)
 
     def layer_facts(self) -> list[dict[str, Any]]:
         """Of each interval: id, activeCells, tetrahedra, the solid's volume, and volumeError, how far that is estimated to be from the

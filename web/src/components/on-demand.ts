@@ -2,6 +2,8 @@
 export { default as CurveDock } from './CurveDock.svelte';
 export { default as CutList } from './CutList.svelte';
 export { default as FileBrowser } from './FileBrowser.svelte';
+export { default as FilmForm } from './FilmForm.svelte';
+export { default as FilmProgress } from './FilmProgress.svelte';
 export { default as Help } from './Help.svelte';
 export { default as KeptViews } from './KeptViews.svelte';
 export { default as LayerNumbers } from './LayerNumbers.svelte';

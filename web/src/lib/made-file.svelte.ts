@@ -1,5 +1,5 @@
-// The layers as a mesh file: the server writes it, the page fetches it and hands it to the person. Not by its address: that has the token in it, and
-// browsers list where files came from.
+// A file that the server makes of a session, a mesh of its layers or a film: it is asked for, followed, fetched and handed to the person. Not by its address:
+// that has the token in it, and browsers list where files came from.
 
 export const meshFormats = [
   ['vtu', 'Tetrahedra, .vtu'],
@@ -8,7 +8,7 @@ export const meshFormats = [
   ['stl', 'Surfaces, .stl'],
 ] as const;
 
-export interface ExportDoors {
+export interface FileDoors {
   /** Of the API. */
   ask(path: string, method: string, body?: string, signal?: AbortSignal): Promise<Response>;
   save(file: Blob, name: string): void;
@@ -18,47 +18,56 @@ export interface ExportDoors {
 interface Operation {
   id: string;
   status: 'running' | 'done' | 'failed' | 'cancelled';
+  stage?: string;
+  fraction?: number;
   error?: { detail?: string };
 }
 
-export class Exports {
+/** One at a time. */
+export class MadeFile {
   waits = $state(false);
+  /** What the server does for it, and how far it is: 0 to 1. Null: it makes nothing. */
+  making = $state.raw<{ stage: string; fraction: number } | null>(null);
   /** Bytes of the file that have come over the line, and all; null: it is not on its way. */
   coming = $state.raw<{ bytes: number; of: number } | null>(null);
   #line = new AbortController();
 
-  constructor(private readonly doors: ExportDoors) {}
+  constructor(private readonly doors: FileDoors) {}
 
-  /** Of the file that is on its way. */
+  /** Of the file that is being made or is on its way. */
   cancel(): void {
     this.#line.abort();
   }
-  /** All layers of the session, hidden ones too. Why there is no file; empty: it is saved. */
-  async save(session: string, format: string, name: string): Promise<string> {
+  /** As the server makes it of `wanted`, saved under this name. Why there is no file; empty: it is saved. */
+  async save(session: string, kind: 'exports' | 'films', wanted: object, name: string): Promise<string> {
     const of = `sessions/${session}`;
     let begun = '';
     this.waits = true;
+    this.#line = new AbortController();
+    const { signal } = this.#line;
     try {
-      let operation = await this.#told(`${of}/exports`, 'POST', JSON.stringify({ format }));
+      let operation = await this.#told(`${of}/${kind}`, 'POST', JSON.stringify(wanted));
       begun = operation.id;
-      for (let pause = 50; operation.status === 'running'; pause = Math.min(2 * pause, 500)) {
+      for (let pause = 50; operation.status === 'running' && !signal.aborted; pause = Math.min(2 * pause, 500)) {
+        this.making = { stage: operation.stage ?? '', fraction: operation.fraction ?? 0 };
         await this.doors.wait(pause);
         operation = await this.#told(`${of}/operations/${operation.id}`, 'GET');
       }
-      if (operation.status === 'cancelled') return 'Cancelled.';
+      this.making = null;
+      if (operation.status === 'cancelled' || signal.aborted) return 'Cancelled.';
       if (operation.status !== 'done') return operation.error?.detail ?? 'the server could not write it';
-      this.#line = new AbortController();
-      const file = await this.doors.ask(`${of}/exports/${begun}`, 'GET', undefined, this.#line.signal);
+      const file = await this.doors.ask(`${of}/${kind}/${begun}`, 'GET', undefined, signal);
       if (!file.ok) return 'the server does not have it any more';
-      this.doors.save(await this.#counted(file), `${name}.${format}`);
+      this.doors.save(await this.#counted(file), name);
       return '';
     } catch (problem) {
-      if (this.#line.signal.aborted) return 'Cancelled.';
+      if (signal.aborted) return 'Cancelled.';
       return problem instanceof Refused ? problem.message : 'the connection was lost';
     } finally {
       this.waits = false;
+      this.making = null;
       this.coming = null;
-      if (begun) this.doors.ask(`${of}/exports/${begun}`, 'DELETE').catch(() => {}); // the server keeps four
+      if (begun) this.doors.ask(`${of}/${kind}/${begun}`, 'DELETE').catch(() => {}); // it ends what is still being made, and the server keeps four
     }
   }
 

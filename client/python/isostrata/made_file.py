@@ -1,10 +1,10 @@
-"""The layers as a mesh file, which the server writes while it goes on with everything else."""
+"""Files of a session, its layers as a mesh or a film, which the server makes while it goes on with everything else."""
 
 from __future__ import annotations
 
 import time
 from os import PathLike
-from typing import Any, Callable, Sequence
+from typing import Any, Callable
 
 from .connection import Connection
 from .errors import IsostrataError
@@ -27,10 +27,10 @@ def patiently(connection: Connection, request: Callable[[], Any]) -> Any:
         time.sleep(retries.pause())
 
 
-def export(connection: Connection, rest: Rest, path: str | PathLike[str], facets: Sequence[str]) -> None:
-    wanted = {"format": str(path).rpartition(".")[2].lower(), **({"facets": list(facets)} if facets else {})}
+def made_file(connection: Connection, rest: Rest, path: str | PathLike[str], kind: str, wanted: dict[str, Any]) -> None:
+    """kind: "exports" or "films"."""
     session, made = connection.told.welcome.session, connection.made
-    operation = patiently(connection, lambda: rest.json("POST", f"sessions/{connection.told.welcome.session}/exports", wanted))
+    operation = patiently(connection, lambda: rest.json("POST", f"sessions/{connection.told.welcome.session}/{kind}", wanted))
     where = f"sessions/{session}/operations/{operation['id']}"
     try:
         pause = 0.02
@@ -42,16 +42,16 @@ def export(connection: Connection, rest: Rest, path: str | PathLike[str], facets
                 connection.on_progress(v1.Progress(stage=operation["stage"], fraction=operation["fraction"]))
         if operation["status"] != "done":
             error = operation.get("error", {})
-            raise IsostrataError(error.get("code", "internal"), error.get("detail", "the export failed"), error.get("field", ""))
-        data = rest.request("GET", f"sessions/{session}/exports/{operation['id']}")[0]
+            raise IsostrataError(error.get("code", "internal"), error.get("detail", f"the server could not make {path}"), error.get("field", ""))
+        data = rest.request("GET", f"sessions/{session}/{kind}/{operation['id']}")[0]
         with open(path, "wb") as file:
             file.write(data)
     except IsostrataError as lost:
         if lost.code == "not_found" and connection.made != made:
-            raise IsostrataError("interrupted", "the server that wrote the export is gone; ask again") from None
+            raise IsostrataError("interrupted", "the server that made the file is gone; ask again") from None
         raise
     finally:
         try:
-            rest.request("DELETE", where)  # cancels it, or forgets it and its file
+            rest.request("DELETE", where)  # ends it, or forgets it and its file
         except IsostrataError:
             pass

@@ -1,11 +1,11 @@
 import { describe, expect, test } from 'vitest';
-import { Exports } from '../src/lib/exports.svelte';
+import { MadeFile } from '../src/lib/made-file.svelte';
 
 /** A server that answers in turn; what it was asked, and what was saved. */
 function exportsOf(answers: ({ ok?: boolean; body: object | ReadableStream; bytes?: number } | 'lost')[]) {
   const asked: string[] = [];
   const saved: string[] = [];
-  const exports = new Exports({
+  const exports = new MadeFile({
     ask: (path, method, body, signal) => {
       asked.push([method, path, body ?? ''].join(' ').trim());
       const answer = method === 'DELETE' ? 'lost' : answers.shift();
@@ -35,7 +35,7 @@ function slowFile(bytes: number) {
 describe('a mesh file of the layers', () => {
   test('is asked for, waited for and saved, and the server need not keep it', async () => {
     const { exports, asked, saved } = exportsOf([running, running, done, file]);
-    const answer = exports.save('s', 'ply', 'torus');
+    const answer = exports.save('s', 'exports', { format: 'ply' }, 'torus.ply');
     expect(exports.waits).toBe(true);
     expect(await answer).toBe('');
     expect(exports.waits).toBe(false);
@@ -56,7 +56,7 @@ describe('a mesh file of the layers', () => {
       [['lost'], 'the connection was lost'],
     ] as const) {
       const { exports, asked, saved } = exportsOf([...answers]);
-      expect(await exports.save('s', 'vtu', 'torus')).toBe(why);
+      expect(await exports.save('s', 'exports', { format: 'vtu' }, 'torus.vtu')).toBe(why);
       expect(saved).toEqual([]);
       expect(exports.waits).toBe(false);
       expect(asked.filter((of) => of.startsWith('DELETE'))).toHaveLength(answers.length > 1 ? 1 : 0);
@@ -67,7 +67,7 @@ describe('a mesh file of the layers', () => {
     for (const cancels of [false, true]) {
       const slow = slowFile(30);
       const { exports, asked, saved } = exportsOf([running, done, slow.answer]);
-      const answer = exports.save('s', 'ply', 'torus');
+      const answer = exports.save('s', 'exports', { format: 'ply' }, 'torus.ply');
       await slow.give(10);
       expect(exports.coming).toEqual({ bytes: 10, of: 30 });
       await slow.give(15);
@@ -82,5 +82,21 @@ describe('a mesh file of the layers', () => {
       expect([exports.coming, exports.waits]).toEqual([null, false]);
       expect(asked.at(-1)).toBe('DELETE sessions/s/exports/e1');
     }
+  });
+
+  test('that is still being made says how far it is, and is ended by the server if it is cancelled', async () => {
+    const part = (fraction: number) => ({ body: { id: 'f1', status: 'running', stage: '180 pictures', fraction } });
+    const { exports: film, asked, saved } = exportsOf([part(0), part(0.25), part(0.5), part(0.75)]);
+    const told: (number | undefined)[] = [];
+    film['doors'].wait = () => {
+      told.push(film.making?.fraction);
+      if (told.length === 3) film.cancel();
+      return Promise.resolve();
+    };
+    expect(await film.save('s', 'films', { turnDeg: 360 }, 'turn.webm')).toBe('Cancelled.');
+    expect(told).toEqual([0, 0.25, 0.5]);
+    expect([film.making, film.waits, saved]).toEqual([null, false, []]);
+    expect(asked[0]).toBe('POST sessions/s/films {"turnDeg":360}');
+    expect(asked.at(-1)).toBe('DELETE sessions/s/films/f1');
   });
 });
