@@ -101,11 +101,15 @@ ColorMap sampled(std::string_view name, const Spline& spline) {
   return map;
 }
 
+/// Each also the other way round, named as Matplotlib names it.
 const std::vector<ColorMap>& all_maps() {
-  static const std::vector<ColorMap> maps{sampled("viridis", kViridis),   sampled("plasma", kPlasma),
-                                          sampled("inferno", kInferno),   sampled("magma", kMagma),
-                                          sampled("batlow", kBatlow),     sampled("vik", kVik),
-                                          sampled("coolwarm", kCoolwarm), ColorMap{"gray", {{0, 0, 0}, {1, 1, 1}}}};
+  static const std::vector<ColorMap> maps = [] {
+    std::vector<ColorMap> all{sampled("viridis", kViridis), sampled("plasma", kPlasma),     sampled("inferno", kInferno),
+                              sampled("magma", kMagma),     sampled("batlow", kBatlow),     sampled("vik", kVik),
+                              sampled("coolwarm", kCoolwarm), ColorMap{"gray", {{0, 0, 0}, {1, 1, 1}}}};
+    for (std::size_t i = 0, count = all.size(); i < count; ++i) all.push_back({all[i].name + "_r", {all[i].rgb.rbegin(), all[i].rgb.rend()}});
+    return all;
+  }();
   return maps;
 }
 

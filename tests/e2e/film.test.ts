@@ -90,7 +90,7 @@ test('a film of a turn begins with what is shown, turns, and plays in a browser'
 
 test('a film of the steps shows each for as long, while the session stays where it is', async () => {
   const viewer = await shown('cylinder-24x24x12x5');
-  const { timeStep } = viewer.state;
+  const { step } = viewer.state;
   await open(viewer);
   await small(viewer);
   expect(await field(viewer, 'Last step of the film').inputValue()).toBe('5');
@@ -107,7 +107,7 @@ test('a film of the steps shows each for as long, while the session stays where 
   expect(difference(first, same)).toBe(0);
   expect(difference(first, second)).toBeGreaterThan(0.1);
   expect(difference(second, last)).toBeGreaterThan(0.1);
-  expect(viewer.state.timeStep).toBe(timeStep);
+  expect(viewer.state.step).toBe(step);
   expect(viewer.problems).toEqual([]);
 });
 

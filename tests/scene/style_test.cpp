@@ -57,6 +57,19 @@ TEST(Style, EveryMapIsWithinTheGamutAndKnownByItsName) {
   }
 }
 
+TEST(Style, EveryMapIsThereTheOtherWayRoundToo) {
+  std::size_t reversed = 0;
+  for (const std::string_view name : color_map_names()) {
+    if (name.ends_with("_r")) continue;
+    const ColorMap map = color_map(name), other = color_map(std::string(name) + "_r");
+    for (int i = 0; i <= 100; ++i)
+      for (std::size_t c = 0; c < 3; ++c) EXPECT_NEAR(sample(map, i / 100.0f)[c], sample(other, 1 - i / 100.0f)[c], 1e-5f) << name;
+    ++reversed;
+  }
+  EXPECT_EQ(2 * reversed, color_map_names().size());
+  EXPECT_FALSE(is_color_map("viridis_r_r"));
+}
+
 TEST(Style, SamplingMeetsTheTableAndIsClamped) {
   const ColorMap gray = color_map("gray");
   EXPECT_FLOAT_EQ(sample(gray, 0.25f)[1], 0.25f);

@@ -2,6 +2,7 @@ import { expect, test } from 'vitest';
 import { mapRange, mapStops, placeIn } from '../src/lib/map-range';
 import type { ColorRange, Interval, Range, SceneState, TransferPoint } from '../src/lib/model';
 import type { ArrayInfo } from '../src/lib/told';
+import { colorMapColors, colorMapGradient } from '../src/lib/color-maps';
 import { command } from '../src/lib/commands';
 import { addBeside, addPoint, curve, keyToPoint, lookAt, movePoint, removePoint, startPoints, stretched, withEnds } from '../src/lib/transfer';
 import { seeded } from './random';
@@ -43,6 +44,12 @@ test('a function of a colour map has at each point the colour that the map has t
   expect(of({ span: 'own', lower: 2, upper: 4, log: true }, true)).toEqual({ lower: 2, upper: 6, log: true });
   expect(placeIn({ lower: 1, upper: 100, log: true }, 10)).toBeCloseTo(0.5, 12);
   expect([-5, 0, 1000].map((value) => placeIn({ lower: 1, upper: 100, log: true }, value))).toEqual([0, 0, 1]);
+});
+
+test('a map that is named the other way round has its colours so', () => {
+  expect(colorMapColors('viridis_r')).toEqual([...colorMapColors('viridis')!].reverse());
+  expect(colorMapGradient('gray_r')).toBe('linear-gradient(to right, #ffffff, #000000)');
+  expect([colorMapColors('jet_r'), colorMapColors('_r')]).toEqual([null, null]);
 });
 
 test('between points colour and extinction are straight', () => {

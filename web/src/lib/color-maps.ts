@@ -7,8 +7,6 @@ const stops: Record<string, string> = {
   plasma: '#0d0887 #4c02a1 #7e03a8 #a92395 #cc4778 #e56b5d #f89540 #fdc527 #f0f921',
   inferno: '#000004 #210c4a #57106e #8a226a #bc3754 #e45a31 #f98e09 #f9cb35 #fcffa4',
   magma: '#000004 #1c1044 #51127c #832681 #b73779 #e75263 #fc8961 #fec488 #fcfdbf',
-  cividis: '#00224e #1f3a6d #434e6c #61646f #7d7c78 #9b9476 #bcaf6f #dfcb5d #fee838',
-  turbo: '#30123b #4777ef #1bd0d5 #62fc6b #d2e935 #fe9b2d #db3a07 #7a0403',
   batlow: '#011959 #103f60 #1c5a62 #3c6d56 #687b3e #9d892b #d29343 #f8a17b #fdb7bc #faccfa',
   vik: '#001261 #034481 #307da6 #94bed2 #ebe5e0 #d9a98c #bd6432 #8b250a #590008',
   gray: '#000000 #ffffff',
@@ -18,7 +16,8 @@ const stops: Record<string, string> = {
 function stopsOf(name: string): string[] | null {
   // A ramp is named by its colours: #rrggbb-#rrggbb.
   const ramp = /^#[0-9a-f]{6}(-#[0-9a-f]{6})+$/i.test(name) ? name.replaceAll('-', ' ') : undefined;
-  return (stops[name] ?? ramp)?.split(' ') ?? null;
+  const colors = (stops[name.replace(/_r$/, '')] ?? ramp)?.split(' ') ?? null;
+  return colors && name.endsWith('_r') ? colors.reverse() : colors;
 }
 
 /** A CSS background for the named map; null for a map that has no preview here. */
