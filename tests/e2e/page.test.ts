@@ -493,7 +493,18 @@ describe('the rest of the page', () => {
     expect(await page.getByRole('button', { name: 'Save PNG' }).isDisabled()).toBe(true);
     await typed.fill('301 x 200');
     await viewer.photograph('screenshot-panel.png');
-    expect((await save('Save PNG')).size).toEqual([301, 200]);
+    const opaque = await save('Save PNG');
+    expect(opaque.size).toEqual([301, 200]);
+    // Without the background, and laid over it, it is the same.
+    await page.getByRole('button', { name: 'Screenshot: size and contents, films' }).click();
+    await page.getByRole('checkbox', { name: 'background', exact: true }).uncheck();
+    const [clear, whole] = [await pixels((await save('Save PNG')).bytes), await pixels(opaque.bytes)];
+    expect(clear.pixels[3]).toBe(0);
+    expect(whole.pixels[3]).toBe(255);
+    const { background } = viewer.state;
+    const laid = clear.pixels.map((value, i) => (i % 4 === 3 ? 255 : Math.round((value * (clear.pixels[i | 3] as number)) / 255 + 255 * (background[i % 4] as number) * (1 - (clear.pixels[i | 3] as number) / 255))));
+    expect(difference(whole, { ...whole, pixels: laid })).toBeLessThan(0.6);
+    expect(difference(whole, clear)).toBeGreaterThan(5);
     expect(frames(), 'what is for keeping is not shown').toBe(before);
     expect(difference(picture, await viewer.exactPicture())).toBe(0);
     expect(viewer.problems).toEqual([]);

@@ -160,6 +160,8 @@ test('every operation of the document can be called, and answers what the docume
   await answers.call('patchState', at, { unitDistance: 0.5 });
   await answers.call('putState', at, state);
   for (const format of ['png', 'jpeg', 'webp', 'exr']) await answers.call('getImage', at, undefined, `?width=32&height=24&format=${format}`);
+  await answers.call('getImage', at, undefined, '?width=32&height=24&transparent=true');
+  expect((await answers.call('getImage', at, undefined, '?format=jpeg&transparent=true')).response.status).toBe(400);
   const tag = (await answers.call('getImage', at)).response.headers.get('etag') as string;
   expect((await answers.call('getImage', at, undefined, '', { 'If-None-Match': tag })).response.status).toBe(304);
 

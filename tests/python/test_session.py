@@ -268,6 +268,11 @@ class Pictures(WithServer):
             s.save_image(Path(folder) / "a.jpg", 20, 10)
             self.assertEqual(decode_image((Path(folder) / "a.png").read_bytes()).shape, (10, 20, 3))
             self.assertEqual((Path(folder) / "a.jpg").read_bytes()[:2], b"\xff\xd8")
+            s.save_image(Path(folder) / "b.png", 40, 30, transparent=True)
+            clear = decode_image((Path(folder) / "b.png").read_bytes())
+            self.assertEqual(clear.shape, (30, 40, 4))
+            self.assertEqual(clear[0, 0, 3], 0)
+            self.assertRefused("invalid_argument", s.save_image, Path(folder) / "b.jpg", 40, 30, True)
         self.assertRefused("invalid_argument", s.still, "bmp")
 
     def test_meshes_are_exported(self):

@@ -68,7 +68,7 @@ TEST_F(Resting, WaitsForAScriptThatAsksForPicturesOrChangesTheScene) {
   Session& session = *s_.sessions->find(s_.sessions->list().front()->id());
   s_.leave(*client_);
   for (int i = 0; i < 5; ++i) {
-    session.picture(64, 48, StillFormat::png, [](const EngineEvent&, TimePoint) {}, s_.now);
+    session.picture(64, 48, StillFormat::png, false, [](const EngineEvent&, TimePoint) {}, s_.now);
     EXPECT_EQ(told_within(SessionUse::kUnwatchedRests - 2 * kSecond), 0u);
     session.command(s_.camera(i), nullptr, s_.now, [](std::optional<v1::Error> error) { EXPECT_FALSE(error); });
     EXPECT_EQ(told_within(SessionUse::kUnwatchedRests - 2 * kSecond), 0u);

@@ -141,19 +141,19 @@ class Session(Shown):
         """The lossless picture of the newest state, as a PNG file's bytes."""
         return self.still("png", width, height)
 
-    def still(self, format: str, width: int = 0, height: int = 0) -> bytes:
-        """A picture as a file's bytes: "png", "jpeg" and what else the server knows."""
-        query = {"width": width or self.size[0], "height": height or self.size[1], "format": format}
+    def still(self, format: str, width: int = 0, height: int = 0, transparent: bool = False) -> bytes:
+        """A picture as a file's bytes: "png", "jpeg" and what else the server knows. transparent: without the background."""
+        query = {"width": width or self.size[0], "height": height or self.size[1], "format": format, **({"transparent": "true"} if transparent else {})}
         return self._patiently(lambda: self.rest.request("GET", f"sessions/{self.id}/image", query=query)[0])
 
     def image(self, width: int = 0, height: int = 0) -> np.ndarray:
         """The lossless picture of the newest state: uint8 [height, width, 3], or 4 if the background is transparent."""
         return decode_image(self.png(width, height))
 
-    def save_image(self, path: str | PathLike[str], width: int = 0, height: int = 0) -> None:
-        """As a file; its end says the format."""
+    def save_image(self, path: str | PathLike[str], width: int = 0, height: int = 0, transparent: bool = False) -> None:
+        """As a file; its end says the format. transparent: without the background, of .png and .webp."""
         end = str(path).rpartition(".")[2].lower()
-        data = self.still("jpeg" if end == "jpg" else end, width, height)
+        data = self.still("jpeg" if end == "jpg" else end, width, height, transparent)
         with open(path, "wb") as file:
             file.write(data)
 

@@ -69,6 +69,7 @@ DrawnPicture draw_picture(Renderer& renderer, PictureOrder& order, const std::st
   DrawnPicture drawn;
   DrawInput input = draw_input(*order.extracted, order.scene, request.width, request.height);
   if (request.still && is_float(*request.still)) input.float_image = true;
+  input.transparent = request.transparent;
   if (request.annotations) order.scene.annotations = *request.annotations;
   if (order.scene.annotations.any()) {
     AnnotationInput beside = annotation_input(*order.extracted, order.scene, input);
@@ -119,7 +120,7 @@ void encode_picture(DrawnPicture& drawn, const PictureOrder& of, const EncodingD
   const FrameRequest& request = of.request;
   of.task->check();
   const Stopwatch watch;
-  if (!drawn.annotations.empty()) drawn.image = finish_annotated(std::move(drawn.image), drawn.annotations, drawn.background, false);
+  if (!drawn.annotations.empty()) drawn.image = finish_annotated(std::move(drawn.image), drawn.annotations, drawn.background, request.transparent);
   if (request.still) {
     frame.bytes = std::make_shared<const Bytes>(
         std::visit([&](const auto& image) { return encode_still(image, *request.still); }, drawn.image));

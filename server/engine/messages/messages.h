@@ -75,6 +75,7 @@ struct FrameRequest {
   std::optional<StillFormat> still;  // a script's picture in this format; `jpeg` and its quality are then not looked at
   std::optional<Annotations> annotations;  // in place of the scene's
   int samples = 1;  // each way, of a lossless frame: a pixel is the mean of samples x samples rays
+  bool transparent = false;  // a still without the background, with alpha in its place
   int coarse = 0;  // level of a moving frame of every n-th point (coarse_levels.h), if that is at hand; moved layers are made so for it. 0: all points
 };
 

@@ -50,6 +50,11 @@ void image(RestContext& context, const Call& call) {
   if (*format == StillFormat::webp && std::max(width, height) > kMaxWebpSide)
     return call.reply(
         problem(wire_error("too_large", "webp takes at most 16383 pixels each way", width > kMaxWebpSide ? "width" : "height")));
+  const std::string see_through = call.parameter("transparent", "false");
+  if (see_through != "false" && see_through != "true")
+    return call.reply(problem(wire_error("invalid_argument", "transparent is '" + see_through.substr(0, 32) + "'; expected true or false", "transparent")));
+  if (see_through == "true" && *format == StillFormat::jpeg)
+    return call.reply(problem(wire_error("invalid_argument", "jpeg has no transparent pixels; expected png, webp or exr", "transparent")));
   if (call.request.header("if-none-match") == revision_tag(call.session->scene().revision)) {
     // A revision's picture at one address is always the same.
     HttpResponse unchanged{304, "", "", {}};
@@ -57,7 +62,7 @@ void image(RestContext& context, const Call& call) {
     return call.reply(std::move(unchanged));
   }
   const RequestId request = call.session->picture(
-      static_cast<int>(width), static_cast<int>(height), *format,
+      static_cast<int>(width), static_cast<int>(height), *format, see_through == "true",
       [format = *format, expected = call.expected, reply = call.reply](const EngineEvent& event, TimePoint) {
         if (std::holds_alternative<FrameStarted>(event)) return;
         if (const auto* failed = std::get_if<RequestFailed>(&event)) return reply(problem(wire_error(*failed)));
@@ -160,7 +165,8 @@ void add_picture_routes(std::vector<Route>& routes, RestContext& context) {
            "exr (linear floats with depth, without background) at most 16 million, webp 16383 a side.",
        .query = {{"width", "Pixels", true, 1, 16384, "800"},
                  {"height", "Pixels", true, 1, 16384, "600"},
-                 {"format", "Of the answer", false, 0, 0, "png", {"png", "jpeg", "webp", "exr"}}},
+                 {"format", "Of the answer", false, 0, 0, "png", {"png", "jpeg", "webp", "exr"}},
+                 {"transparent", "Without the background, alpha in its place; exr never has one", false, 0, 0, "false", {"true", "false"}}},
        .answers = {{200, "The picture", "", "image/png", {"image/jpeg", "image/webp", "image/x-exr"}},
                    {304, "It is still that of If-None-Match", ""}},
        .conditional = true,

@@ -245,12 +245,13 @@ void Session::wake(TimePoint now) {
 
 // ---- frames and events ----
 
-RequestId Session::picture(int width, int height, StillFormat format, EngineDoor::Listener listener, TimePoint now) {
+RequestId Session::picture(int width, int height, StillFormat format, bool transparent, EngineDoor::Listener listener, TimePoint now) {
   use_.touch(now);
   use_.look(now);
   announce(now);
   FrameRequest request{key_, 0, width, height, true, format == StillFormat::jpeg};
   request.still = format;
+  request.transparent = transparent;
   return engine_.ask(std::move(request), std::move(listener));
 }
 

@@ -119,7 +119,7 @@ class Session final : private SessionDataset::Audience {
   void set_state(const v1::State& wanted, TimePoint now, Reply reply, std::optional<std::uint64_t> expected = {});
 
   /// One picture of the newest scene for a script. The answer is FrameReady or RequestFailed.
-  RequestId picture(int width, int height, StillFormat format, EngineDoor::Listener listener, TimePoint now);
+  RequestId picture(int width, int height, StillFormat format, bool transparent, EngineDoor::Listener listener, TimePoint now);
 
   /// What lies at a place of the newest picture of this size, for a script; a dataset must be open. The answer is ProbeReady or RequestFailed.
   RequestId probe(double x, double y, int width, int height, EngineDoor::Listener listener, TimePoint now);

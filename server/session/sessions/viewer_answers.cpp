@@ -21,6 +21,7 @@ void ViewerAnswers::draw(Viewer& viewer, const v1::RequestStill& wanted, std::ui
   FrameRequest request{session_, 0, width, height, true, false};
   request.still = StillFormat::png;
   request.annotations = annotations_of(wanted.annotations());
+  request.transparent = wanted.transparent();
   // The listener learns its own number from the shared slot: it is called only later, from the io thread's loop.
   auto number = std::make_shared<RequestId>(0);
   *number = engine_.ask(std::move(request), [this, key = viewer.key, seq, number](const EngineEvent& event, TimePoint) { drawn(key, *number, seq, event); });

@@ -131,9 +131,9 @@ export const command = {
     case: 'decoderFailed',
     value: { streamId: BigInt(streamId), problem: message.slice(0, 500), again },
   }),
-  requestStill: (width: number, height: number, annotations: Annotations): Command => ({
+  requestStill: (width: number, height: number, annotations: Annotations, transparent = false): Command => ({
     case: 'requestStill',
-    value: { width, height, annotations },
+    value: { width, height, annotations, ...(transparent ? { transparent } : {}) },
   }),
   requestHistogram: (array: string, bins: number): Command => ({ case: 'requestHistogram', value: { array, bins } }),
   probePoint: (x: number, y: number): Command => ({ case: 'probePoint', value: { x, y } }),

@@ -8,10 +8,10 @@ export class Stills {
 
   constructor(private readonly sendInOrder: (body: Command) => number) {}
 
-  /** A lossless picture of this size and with these annotations; or why there is none. */
-  ask(width: number, height: number, annotations: Annotations): Promise<Frame | string> {
+  /** A lossless picture of this size and with these annotations, with the background or without; or why there is none. */
+  ask(width: number, height: number, annotations: Annotations, transparent = false): Promise<Frame | string> {
     return new Promise((resolve) => {
-      const seq = this.sendInOrder(command.requestStill(width, height, annotations));
+      const seq = this.sendInOrder(command.requestStill(width, height, annotations, transparent));
       if (seq) this.#asked.set(seq, resolve);
       else resolve('There is no connection.');
     });
