@@ -43,7 +43,7 @@ std::optional<std::string> FrameMaker::draw(Renderer& renderer, PictureOrder ord
   });
   ports_.send(FrameStarted{request.session, request.request, order.scene.revision});
   try {
-    if (const std::uint64_t bytes = is_still(request) && !order.room ? still_bytes(request, order.scene) : 0)
+    if (const std::uint64_t bytes = (is_still(request) || is_of_film(request)) && !order.room ? still_bytes(request, order.scene) : 0)
       order.room = ports_.lend(request.session, bytes, "a picture of " + std::to_string(request.width) + "x" + std::to_string(request.height));
     DrawnPicture drawn = [&] {
       const Work work(request.session, class_of(request), {in_lane ? order.task.get() : nullptr, in_lane, drawing->waiting()});

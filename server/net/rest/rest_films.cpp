@@ -13,6 +13,10 @@ void begin_film(RestContext& context, const Call& call) {
   const Session& session = *call.session;
   if (auto error = parse_message(call.request.body, wanted)) return call.reply(problem(*error));
   if (!session.dataset()) return call.reply(problem(wire_error("not_found", "no dataset is open in this session")));
+  // Each has a turn of its own beside other sessions.
+  for (const OperationRecord* of : context.operations.list(session.id()))
+    if (of->kind == "film" && of->status == OperationRecord::Status::running)
+      return call.reply(problem(wire_error("unavailable", "a film of this session is being made (" + of->id + "); wait for it, or DELETE it")));
   FilmPlan plan;
   if (auto error = plan_film(wanted, session.drawn(), *session.dataset(), plan)) return call.reply(problem(*error));
   const std::optional<std::filesystem::path> file = new_file(context, call, "webm");
@@ -53,7 +57,7 @@ void add_film_routes(std::vector<Route>& routes, RestContext& context) {
                     .tag = "films",
                     .summary = "Makes a film of what the session shows",
                     .description = "Of the state as it is now, which goes on freely meanwhile: a turn of the camera, the steps of a series, or both. Each picture is "
-                                   "exact. At most four files, exports and films, are kept for a session.",
+                                   "exact. One at a time; at most four files, exports and films, are kept for a session.",
                     .body = RequestBody{"NewFilm", "What moves, for how long, and how large it is"},
                     .answers = {{202, "It is being made; Location names the operation", "Operation"}},
                     .handler = [&context](Call call) { begin_film(context, call); }});

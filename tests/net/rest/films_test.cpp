@@ -108,6 +108,9 @@ TEST_F(RestFilms, TheSessionGoesOnWhileItsFilmIsMade) {
   EXPECT_NE(get(session + "/state").at("revision").as_string(), revision);
   EXPECT_EQ(status_of(ask("GET", session + "/image?width=64&height=48")), 200);
   EXPECT_EQ(get(session + "/operations/" + id).at("status").as_string(), "running");
+  const auto second = ask("POST", session + "/films", R"({"turnDeg":90})");
+  EXPECT_EQ(status_of(second), 503) << second;
+  EXPECT_TRUE(has(second, "is being made (" + id + ")")) << second;
   EXPECT_EQ(status_of(ask("GET", session + "/films/" + id)), 409);
   // It is cancelled by either name, at once, and is then forgotten.
   const auto cancelled = ask("DELETE", session + "/films/" + id);
@@ -158,7 +161,7 @@ TEST_F(RestFilms, AnExportIsNoFilmAndASessionKeepsFourFiles) {
   const auto exported = ask("POST", session + "/exports", R"({"format":"stl"})");
   const std::string id(json::parse(text_of(exported)).at("id").as_string());
   EXPECT_EQ(status_of(ask("GET", session + "/films/" + id)), 404);
-  for (int i = 0; i < 3; ++i) begin(session, R"({"turnDeg":90,"seconds":0.1,"width":64,"height":48})");
+  for (int i = 0; i < 3; ++i) events(session, begin(session, R"({"turnDeg":90,"seconds":0.1,"width":64,"height":48})"));
   EXPECT_EQ(status_of(ask("POST", session + "/films", R"({"turnDeg":90})")), 503);
   EXPECT_EQ(status_of(ask("POST", session + "/exports", R"({"format":"stl"})")), 503);
 }
