@@ -7,6 +7,8 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <initializer_list>
+#include <iterator>
 #include <random>
 #include <set>
 #include <sstream>
@@ -94,7 +96,7 @@ TEST_F(ForeignFormats, HoldWhatWasWritten) {
 TEST_F(ForeignFormats, UnitsAreThoseOfTheFiles) {
   const std::tuple<const char*, const char*, const char*> units[] = {
       {"of_root.nc", "T", "K"}, {"climate.zarr", "T", "K"}, {"climate.zarr", "packed", ""}, {"climate3.zarr", "T", "K"}, {"parted", "p", "m2/s2"}, {"collated_binary", "p", "m2/s2"},
-      {"sizes.h5", "t0/channel0", "counts"}, {"sizes.h5", "t0/other", "V"}, {"CHGCAR", "charge density", "e/Å³"}, {"LOCPOT", "potential", "eV"}};
+      {"sizes.h5", "t0/channel0", "counts"}, {"sizes.h5", "t0/other", "V"}, {"CHGCAR", "charge density", "e/Å³"}, {"LOCPOT", "potential", "eV"}, {"box.med", "TEMP", "K"}, {"box.med", "SIEF_x", "Pa"}, {"inviwo.dat", "scalars", "K"}};
   for (const auto& [name, array, unit] : units) EXPECT_EQ(test::open(file(name))->array(array).unit, unit) << name << ": " << array;
 }
 
@@ -108,7 +110,7 @@ TEST_F(ForeignFormats, AxesAreThoseOfTheFiles) {
                          Said{"climate.zarr", "lon (degrees_east)", "lat (degrees_north)", "lev (m)"}, Said{"deep.nc", "longitude (degrees_east)", "latitude (degrees_north)", "deep (m)", true},
                          Said{"coast_nodes.nc", "longitude (degrees_east)", "latitude (degrees_north)", "depth (m)", true}, Said{"coast_faces.nc", "longitude (degrees_east)", "latitude (degrees_north)", "altitude (m)"}, Said{"of_root.nc", "lon (degrees_east)", "lat (degrees_north)", "lev (m)"}, Said{"scaled.nii", "x (mm)", "y (mm)", "z (mm)"}, Said{"orbitals.cube", "x (Bohr)", "y (Bohr)", "z (Bohr)"},
                          Said{"CHGCAR", "x (Angstrom)", "y (Angstrom)", "z (Angstrom)"}, Said{"grids.xsf", "x (Angstrom)", "y (Angstrom)", "z (Angstrom)"}, Said{"head.mgh", "x (mm)", "y (mm)", "z (mm)"},
-                         Said{"scan/picture1.dcm", "x (mm)", "y (mm)", "z (mm)"}, Said{"parted", "x (m)", "y (m)", "z (m)"}, Said{"sizes.h5", "x (µm)", "y (µm)", "z (µm)"}, Said{"plain.h5", "x", "y", "z"}}) {
+                         Said{"scan/picture1.dcm", "x (mm)", "y (mm)", "z (mm)"}, Said{"parted", "x (m)", "y (m)", "z (m)"}, Said{"sizes.h5", "x (µm)", "y (µm)", "z (µm)"}, Said{"box.med", "x (m)", "y (m)", "z (m)"}, Said{"plain.mif", "x (mm)", "y (mm)", "z (mm)"}, Said{"plain.h5", "x", "y", "z"}}) {
     const auto data = test::open(file(of.name));
     EXPECT_EQ(axis_title(data->axes, 0), of.x) << of.name;
     EXPECT_EQ(axis_title(data->axes, 1), of.y) << of.name;
@@ -242,7 +244,7 @@ TEST_F(ForeignFormats, AnExodusFileWhoseArraysVtkMissesIsRefused) {
   EXPECT_NE(std::string(error.what()).find("'file_size'"), std::string::npos) << error.what();
 }
 
-TEST_F(ForeignFormats, ElementsOfSecondOrderOfGmshAndCalculixFillTheirCellsAndKeepTheirValues) {
+TEST_F(ForeignFormats, ElementsOfSecondOrderOfGmshCalculixAndMedFillTheirCellsAndKeepTheirValues) {
   int files = 0;
   for (const auto& entry : std::filesystem::directory_iterator(folder_ / "f")) {
     const std::string name = entry.path().filename().string();
@@ -262,7 +264,7 @@ TEST_F(ForeignFormats, ElementsOfSecondOrderOfGmshAndCalculixFillTheirCellsAndKe
       EXPECT_NEAR(data->arrays.front().at(static_cast<std::size_t>(p)), at.x + 10 * at.y + 100 * at.z, 1e-3) << "point " << p;
     }
   }
-  EXPECT_EQ(files, 10);
+  EXPECT_EQ(files, 14);
 }
 
 TEST_F(ForeignFormats, MeshesOfGmshAndCalculixThatAreRefusedSayWhy) {
@@ -313,6 +315,9 @@ TEST_F(ForeignFormats, MeshesOfGmshAndCalculixThatAreRefusedSayWhy) {
   expect("zipped.am", "HxZip", "HxPack", ErrorCode::unsupported, "packed by 'HxPack");
   expect("labels.am", "(HxByteRLE,8)", "(HxByteRLE,6)", ErrorCode::bad_data, "the packed values of Labels are damaged");
   expect("text.am", "int Data", "byte Data", ErrorCode::bad_data, "among the numbers of Data, which are of type uint8");
+  const auto whole = [](std::initializer_list<std::int32_t> numbers) { return std::string(reinterpret_cast<const char*>(std::data(numbers)), numbers.size() * sizeof(std::int32_t)); };
+  expect("box.med", whole({1, 2, 3, 4, 5, 7}), whole({1, 2, 999, 4, 5, 7}), ErrorCode::bad_data, "element 2 uses node 999, which is not there");
+  expect("box.med", whole({1, 2, 3, 4, 5, 7}), whole({1, 2, -3, 4, 5, 7}), ErrorCode::bad_data, "element 2 uses node -3, which is not there");
   expect("short.frd", "         120", "       12000", ErrorCode::bad_data, "12000 as the number of nodes");
   expect("short.frd", " -1  500    1", " -1  500   13", ErrorCode::bad_data, "element 500 is of type 13");
   expect("short.frd", " -1 1001 0.00000E+00", " -1  999 0.00000E+00", ErrorCode::bad_data, "two nodes of number 999");
@@ -359,7 +364,7 @@ TEST_F(ForeignFormats, ASliceOpensItsSeriesAndNoOtherOfTheFolder) {
 TEST_F(ForeignFormats, CutOffFilesAreErrorsAndMutatedOnesEndInADatasetOrAnError) {
   std::vector<std::pair<std::string, std::string>> files;
   for (const std::string name : {"c_order.npy", "vectors.npy", "classic.nc", "four.nc", "image.vtkhdf", "cells.hdf", "structured.cgns", "unstructured.cgns",
-                                 "scaled.nii", "turned.nii", "orbitals.cube", "grids.xsf", "CHGCAR", "head.mgh", "short.mgz", "two_text.msh", "two_binary.msh", "four_text.msh", "four_binary.msh", "second_12_6.msh", "short.frd", "doubles.frd", "points.dat", "blocks.tec", "steps.dat", "ordered.plt", "steps.plt", "bonsai_6x5x4_int16.raw", "plain.mif", "potential.dx", "plain.am", "zipped.am", "labels.am", "text.am", "scan/picture1.dcm", "plain.h5", "kinds.h5", "links.h5", "gaps3.nc", "types.nc", "stored.npz", "packed.npz"})
+                                 "scaled.nii", "turned.nii", "orbitals.cube", "grids.xsf", "CHGCAR", "head.mgh", "short.mgz", "two_text.msh", "two_binary.msh", "four_text.msh", "four_binary.msh", "second_12_6.msh", "short.frd", "doubles.frd", "points.dat", "blocks.tec", "steps.dat", "ordered.plt", "steps.plt", "bonsai_6x5x4_int16.raw", "plain.mif", "potential.dx", "plain.am", "zipped.am", "labels.am", "text.am", "box.med", "second_P15_3.med", "scan/picture1.dcm", "plain.h5", "kinds.h5", "links.h5", "gaps3.nc", "types.nc", "stored.npz", "packed.npz"})
     files.emplace_back(file(name).filename().string(), test::read_bytes(file(name)));
   const Scratch scratch;
   for (const auto& [name, bytes] : files) {
@@ -491,7 +496,6 @@ TEST(Recognise, WhatIsRefusedSaysWhatItIsAndWhatToDo) {
            {"surfer.grd", "DSBB", "a map of heights; save it as netCDF"},
            {"esri.asc", "ncols 3\nnrows 2\n", "a map of heights; save it as netCDF"},
            {"a.mnc", "CDF\x01", "MINC; save it as NIfTI (mnc2nii IN OUT)"},
-           {"a.med", "\x89HDF\r\n\x1a\n", "a mesh or a case of another program"},
            {"a.stl.gz", "\x1f\x8b", "a surface"},
            {"a.log.gz", "\x1f\x8b", "text"},
            {"a.plt", std::string("\3\0\0\0\52\0\0\0", 8), "a density of gOpenMol"}})

@@ -18,6 +18,7 @@ import zlib
 import block_files
 import h5py
 import hdf5_files
+import med_files
 import mesh_files
 import netCDF4
 import netcdf_files
@@ -720,6 +721,7 @@ def main():
     vasp()
     freesurfer()
     mesh_files.write(expect)
+    med_files.write(expect)
     tecplot_files.write(FIELD, expect)
     raw_files.write(FIELD, lattice, expect)
     openfoam_cases()

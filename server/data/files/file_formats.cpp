@@ -41,6 +41,7 @@ constexpr std::array kFormats{
     FileFormat{FileKind::gmsh, "Gmsh", ".msh", "2.2 and 4.1, text and binary: elements of first and second order, physical groups, values at nodes and in elements, all steps", "ours"},
     FileFormat{FileKind::tecplot, "Tecplot", ".plt .tec .dat", "text, and binary of version 112: ordered zones and finite elements, values at points and in cells, zones of several times as steps", "ours"},
     FileFormat{FileKind::frd, "CalculiX", ".frd", "text and binary: elements of first and second order, values at nodes, all steps", "ours"},
+    FileFormat{FileKind::med, "MED", ".med .rmed .mmed", "of Salome and Code_Aster: elements of first and second order, fields at nodes and in cells, all times", "HDF5's"},
     FileFormat{FileKind::openfoam, "OpenFOAM", ".foam .openfoam", "a case, also as a folder: the internal mesh and its fields, all times", "VTK"},
     FileFormat{FileKind::ensight, "EnSight Gold", ".case .encas", "every part with cells, all times", "VTK"},
     FileFormat{FileKind::cgns, "CGNS", ".cgns", "structured and unstructured zones, HDF5 and ADF, all times", "VTK"},
@@ -75,7 +76,7 @@ constexpr std::array kForeign{
     ForeignFormat{".mat", "MATLAB of a form before 7.3", "save it in MATLAB with '-v7.3'"},
     ForeignFormat{".pkl .parquet .feather .root", "an array in a container that is not read",
                   "save one array as .npy (Python: numpy.save)"},
-    ForeignFormat{".msh .msh2 .msh4 .inp .med .unv .bdf .nas .cas .mesh .ucd .rst .odb .xml .key .k .su2 .neu",
+    ForeignFormat{".msh .msh2 .msh4 .inp .unv .bdf .nas .cas .mesh .ucd .rst .odb .xml .key .k .su2 .neu",
                   "a mesh or a case of another program", "save it as .vtu, VTKHDF, CGNS or Exodus (ParaView, or meshio convert)"},
     ForeignFormat{".raw .img .bin .vol .dat .u8 .u16 .f32", "numbers without a header",
                   "say sizes and type in its name (NAME_256x256x256_uint8.raw), or put a header beside it, NAME.nhdr: 'NRRD0004', 'type: float', 'dimension: 3', 'sizes: NX NY NZ', 'encoding: raw', "

@@ -141,7 +141,7 @@ std::string_view past_user_block(std::string_view head) {
 /// netCDF and HDF5 are containers: what is inside is said by a name at their root, or by the file's name.
 Recognised recognise_container(std::string_view head, const std::string& file, const std::string& name) {
   if (file.ends_with(".mnc") || head.find("minc-2.0") != std::string_view::npos) refuse(foreign_format("MINC"), name);
-  if (file.ends_with(".med") || head.find("ENS_MAA") != std::string_view::npos) refuse(foreign_format("a mesh or a case of another program"), name);
+  if (ends_with_one_of(file, extensions_of(FileKind::med)) || head.find("ENS_MAA") != std::string_view::npos) return {FileKind::med, {}};
   const auto holds = [&](const char* dimension) { return head.find(dimension) != std::string_view::npos; };
   if (ends_with_one_of(file, extensions_of(FileKind::exodus)) || (holds("num_nodes") && holds("num_el_blk"))) return {FileKind::exodus, {}};
   if (ends_with_one_of(file, extensions_of(FileKind::cgns)) || head.find("CGNSLibraryVersion") != std::string_view::npos)
@@ -253,7 +253,7 @@ bool is_dicom(const fs::path& file) {
 
 ReaderNeeds reader_needs(const fs::path& file) {
   // What server/import/CMakeLists.txt gives that program alone, and lists and wrappers of any kind.
-  static constexpr std::array kKinds{FileKind::exodus, FileKind::vtkhdf, FileKind::openfoam, FileKind::ensight, FileKind::cgns, FileKind::netcdf, FileKind::hdf5,
+  static constexpr std::array kKinds{FileKind::exodus, FileKind::vtkhdf, FileKind::openfoam, FileKind::ensight, FileKind::cgns, FileKind::netcdf, FileKind::hdf5, FileKind::med,
                                      FileKind::multi_block, FileKind::pvd, FileKind::series, FileKind::xdmf, FileKind::gzip};
   try {
     const FileKind kind = recognise(is_series_pattern(file) ? series_files(file).front().path : file).kind;

@@ -43,6 +43,7 @@ bool says_what_it_reads(FileKind kind) {
     case FileKind::gmsh:
     case FileKind::frd:
     case FileKind::tecplot:
+    case FileKind::med:
     case FileKind::raw:
     case FileKind::bov:
     case FileKind::volume_text:

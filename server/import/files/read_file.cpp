@@ -57,7 +57,7 @@ constexpr std::pair<FileKind, Reader> kReaders[] = {
     {FileKind::xdmf, read_xdmf},
 #endif
 #ifdef ISOSTRATA_READS_HDF5
-    {FileKind::hdf5, read_hdf5},
+    {FileKind::hdf5, read_hdf5}, {FileKind::med, read_med},
 #endif
 };
 

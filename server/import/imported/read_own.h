@@ -23,6 +23,9 @@ Imported read_hdf5(const ReadRequest& request);
 /// Imaris: the finest level; time points are steps, channels arrays.
 Imported read_imaris(const ReadRequest& request);
 
+/// MED, of Salome and Code_Aster.
+Imported read_med(const ReadRequest& request);
+
 /// The same of netCDF whose axes do not say what they are.
 Imported read_netcdf_plainly(const ReadRequest& request);
 
