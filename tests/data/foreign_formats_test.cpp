@@ -96,7 +96,7 @@ TEST_F(ForeignFormats, HoldWhatWasWritten) {
 TEST_F(ForeignFormats, UnitsAreThoseOfTheFiles) {
   const std::tuple<const char*, const char*, const char*> units[] = {
       {"of_root.nc", "T", "K"}, {"climate.zarr", "T", "K"}, {"climate.zarr", "packed", ""}, {"climate3.zarr", "T", "K"}, {"parted", "p", "m2/s2"}, {"collated_binary", "p", "m2/s2"},
-      {"sizes.h5", "t0/channel0", "counts"}, {"sizes.h5", "t0/other", "V"}, {"CHGCAR", "charge density", "e/Å³"}, {"LOCPOT", "potential", "eV"}, {"box.med", "TEMP", "K"}, {"box.med", "SIEF_x", "Pa"}, {"inviwo.dat", "scalars", "K"}};
+      {"sizes.h5", "t0/channel0", "counts"}, {"sizes.h5", "t0/other", "V"}, {"CHGCAR", "charge density", "e/Å³"}, {"LOCPOT", "potential", "eV"}, {"box.med", "TEMP", "K"}, {"boxes.inp", "v_x", "m/s"}, {"box.med", "SIEF_x", "Pa"}, {"inviwo.dat", "scalars", "K"}};
   for (const auto& [name, array, unit] : units) EXPECT_EQ(test::open(file(name))->array(array).unit, unit) << name << ": " << array;
 }
 
@@ -315,6 +315,9 @@ TEST_F(ForeignFormats, MeshesOfGmshAndCalculixThatAreRefusedSayWhy) {
   expect("zipped.am", "HxZip", "HxPack", ErrorCode::unsupported, "packed by 'HxPack");
   expect("labels.am", "(HxByteRLE,8)", "(HxByteRLE,6)", ErrorCode::bad_data, "the packed values of Labels are damaged");
   expect("text.am", "int Data", "byte Data", ErrorCode::bad_data, "among the numbers of Data, which are of type uint8");
+  expect("boxes.inp", "\n120 61 4 1 0", "\n999999 61 4 1 0", ErrorCode::bad_data, "999999 as the number of nodes");
+  expect("boxes.inp", "\n120 61 4 1 0", "\n120 61 5 1 0", ErrorCode::bad_data, "arrays of 4 numbers in all; expected 5");
+  expect("boxes.inp", " hex ", " cub ", ErrorCode::bad_data, "is of type 'cub'");
   const auto whole = [](std::initializer_list<std::int32_t> numbers) { return std::string(reinterpret_cast<const char*>(std::data(numbers)), numbers.size() * sizeof(std::int32_t)); };
   expect("box.med", whole({1, 2, 3, 4, 5, 7}), whole({1, 2, 999, 4, 5, 7}), ErrorCode::bad_data, "element 2 uses node 999, which is not there");
   expect("box.med", whole({1, 2, 3, 4, 5, 7}), whole({1, 2, -3, 4, 5, 7}), ErrorCode::bad_data, "element 2 uses node -3, which is not there");
@@ -330,6 +333,13 @@ TEST_F(ForeignFormats, BricksOfTecplotWhoseNodesFallTogetherAreSimplerCells) {
   EXPECT_EQ(data->cell_types, (std::map<std::string, std::int64_t>{{"tetrahedron", 1}, {"pyramid", 1}, {"wedge", 3}}));
   const double volumes[] = {1.0 / 6, 1.0 / 3, 0.5, 0.5, 0.5};
   for (std::int64_t cell = 0; cell < 5; ++cell) EXPECT_NEAR(std::abs(test::cell_volume(data->grid, cell)), volumes[cell], 1e-12) << cell;
+}
+
+TEST_F(ForeignFormats, CellsOfUcdFillTheirPlaces) {
+  const auto data = test::open(file("shapes.ucd"));
+  ASSERT_EQ(data->grid.cell_count(), 3);
+  const double volumes[] = {1.0 / 6, 1.0 / 3, 0.5};
+  for (std::int64_t cell = 0; cell < 3; ++cell) EXPECT_NEAR(std::abs(test::cell_volume(data->grid, cell)), volumes[cell], 1e-12) << cell;
 }
 
 TEST_F(ForeignFormats, CellsOfTecplotHaveTheirOwnValues) {
@@ -364,7 +374,7 @@ TEST_F(ForeignFormats, ASliceOpensItsSeriesAndNoOtherOfTheFolder) {
 TEST_F(ForeignFormats, CutOffFilesAreErrorsAndMutatedOnesEndInADatasetOrAnError) {
   std::vector<std::pair<std::string, std::string>> files;
   for (const std::string name : {"c_order.npy", "vectors.npy", "classic.nc", "four.nc", "image.vtkhdf", "cells.hdf", "structured.cgns", "unstructured.cgns",
-                                 "scaled.nii", "turned.nii", "orbitals.cube", "grids.xsf", "CHGCAR", "head.mgh", "short.mgz", "two_text.msh", "two_binary.msh", "four_text.msh", "four_binary.msh", "second_12_6.msh", "short.frd", "doubles.frd", "points.dat", "blocks.tec", "steps.dat", "ordered.plt", "steps.plt", "bonsai_6x5x4_int16.raw", "plain.mif", "potential.dx", "plain.am", "zipped.am", "labels.am", "text.am", "box.med", "second_P15_3.med", "scan/picture1.dcm", "plain.h5", "kinds.h5", "links.h5", "gaps3.nc", "types.nc", "stored.npz", "packed.npz"})
+                                 "scaled.nii", "turned.nii", "orbitals.cube", "grids.xsf", "CHGCAR", "head.mgh", "short.mgz", "two_text.msh", "two_binary.msh", "four_text.msh", "four_binary.msh", "second_12_6.msh", "short.frd", "doubles.frd", "points.dat", "blocks.tec", "steps.dat", "ordered.plt", "steps.plt", "bonsai_6x5x4_int16.raw", "plain.mif", "potential.dx", "plain.am", "zipped.am", "labels.am", "text.am", "box.med", "second_P15_3.med", "boxes.inp", "scan/picture1.dcm", "plain.h5", "kinds.h5", "links.h5", "gaps3.nc", "types.nc", "stored.npz", "packed.npz"})
     files.emplace_back(file(name).filename().string(), test::read_bytes(file(name)));
   const Scratch scratch;
   for (const auto& [name, bytes] : files) {

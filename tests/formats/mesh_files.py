@@ -200,7 +200,28 @@ def calculix(expect):
                    [0, NX - 1, 0, NY - 1, 0, NZ - 1], [5, 3, 2, "STRESS_SYY", -236 - 1000 * step], [0.5, 1.5], step)
 
 
+def ucd(expect):
+    nodes, cells = boxes()
+    rows = lambda lines: "".join(" ".join(str(v) for v in line) + "\n" for line in lines)
+    low = {c: field(nodes[cell[0]]) for c, cell in cells.items()}
+    with open("boxes.inp", "w") as out:  # the face that VTK has last comes first
+        out.write(f"# remarks\n# of a program\n{len(nodes)} {len(cells) + 1} 4 1 0\n" + rows([n, *p] for n, p in nodes.items()) + rows([c, 1, "hex", *cell[4:], *cell[:4]] for c, cell in cells.items()) +
+                  f"9999 1 line {list(nodes)[0]} {list(nodes)[1]}\n" + "2 1 3\nT, K\nv, m/s\n" + rows([n, field(p), 1, 2, field(p)] for n, p in nodes.items()) +
+                  "1 1\nmat, none\n" + rows([c, v] for c, v in low.items()) + "9999 -5\n")
+    expect("boxes.inp", "unstructured", len(nodes), len(cells), {"T": [0, 345, 0], "v_z": [0, 345, 0]}, [0, NX - 1, 0, NY - 1, 0, NZ - 1], [5, 3, 2, "T", 235])
+    shapes = [("tet", TETRAHEDRON, [0, 1, 3, 2]), ("pyr", PYRAMID, [4, 0, 1, 2, 3]), ("prism", WEDGE, [3, 4, 5, 0, 1, 2])]
+    with open("shapes.ucd", "w") as out:
+        places = [corner + [3 * i, 0, 0] for i, (_, corners, _) in enumerate(shapes) for corner in corners]
+        out.write(f"{len(places)} {len(shapes)} 1 0 0\n" + rows([i + 1, *p] for i, p in enumerate(places)))
+        first = 1
+        for i, (name, corners, order) in enumerate(shapes):
+            out.write(rows([[i + 1, 1, name, *(first + k for k in order)]]))
+            first += len(corners)
+        out.write("1 1\nf,\n" + rows([i + 1, field(p)] for i, p in enumerate(places)))
+
+
 def write(expect):
+    ucd(expect)
     gmsh(expect)
     calculix(expect)
     second_order()

@@ -42,6 +42,7 @@ constexpr std::array kFormats{
     FileFormat{FileKind::tecplot, "Tecplot", ".plt .tec .dat", "text, and binary of version 112: ordered zones and finite elements, values at points and in cells, zones of several times as steps", "ours"},
     FileFormat{FileKind::frd, "CalculiX", ".frd", "text and binary: elements of first and second order, values at nodes, all steps", "ours"},
     FileFormat{FileKind::med, "MED", ".med .rmed .mmed", "of Salome and Code_Aster: elements of first and second order, fields at nodes and in cells, all times", "HDF5's"},
+    FileFormat{FileKind::ucd, "AVS UCD", ".inp .ucd .avs", "text: cells of first order, values at nodes and in cells", "ours"},
     FileFormat{FileKind::openfoam, "OpenFOAM", ".foam .openfoam", "a case, also as a folder: the internal mesh and its fields, all times", "VTK"},
     FileFormat{FileKind::ensight, "EnSight Gold", ".case .encas", "every part with cells, all times", "VTK"},
     FileFormat{FileKind::cgns, "CGNS", ".cgns", "structured and unstructured zones, HDF5 and ADF, all times", "VTK"},

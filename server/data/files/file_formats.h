@@ -9,7 +9,7 @@
 namespace isostrata {
 
 enum class FileKind : std::uint8_t {
-  vtk_legacy, vtk_xml, multi_block, pvd, series, xdmf, vtkhdf, nrrd, meta_image, nifti, dicom, numpy, npz, fits, mrc, hdf5, tiff, pictures, raw, bov, volume_text, mrtrix, opendx, amira, slc, gaussian_cube, xsf, vasp, mgh, gmsh, frd, tecplot, med, openfoam,
+  vtk_legacy, vtk_xml, multi_block, pvd, series, xdmf, vtkhdf, nrrd, meta_image, nifti, dicom, numpy, npz, fits, mrc, hdf5, tiff, pictures, raw, bov, volume_text, mrtrix, opendx, amira, slc, gaussian_cube, xsf, vasp, mgh, gmsh, frd, tecplot, med, ucd, openfoam,
   ensight, cgns, exodus, plot3d, netcdf, zarr, vtk_levels, hyper_tree, amrex, gzip
 };
 

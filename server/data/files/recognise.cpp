@@ -102,6 +102,14 @@ bool begins_as_volume_text(std::string_view head) {
   return (has_line("objectfilename:") || has_line("rawfile:")) && has_line("resolution:") && small.find('\0') == std::string::npos;
 }
 
+/// Behind remarks five whole numbers. Abaqus has the same name, and asterisks.
+bool begins_as_ucd(std::string_view head) {
+  while (head.starts_with('#')) head.remove_prefix(std::min(head.find('\n'), head.size() - 1) + 1);
+  std::istringstream words(std::string(head.substr(0, head.find('\n'))));
+  const std::vector<std::string> numbers{std::istream_iterator<std::string>(words), {}};
+  return numbers.size() == 5 && std::all_of(numbers.begin(), numbers.end(), [](const std::string& word) { return word.find_first_not_of("0123456789") == std::string::npos; });
+}
+
 /// The first files of a folder, in no order.
 bool any_file(const fs::path& folder, int most, bool (*is)(const fs::path&)) {
   std::error_code error;
@@ -314,6 +322,7 @@ Recognised recognise(const fs::path& path) {
   if (begins_as_meta_image(head)) return {FileKind::meta_image, {}};
   if (head.starts_with("mrtrix image")) return {FileKind::mrtrix, {}};
   if (head.starts_with("# AmiraMesh") || head.starts_with("# Avizo")) return {FileKind::amira, {}};
+  if (ends_with_one_of(file, extensions_of(FileKind::ucd)) && begins_as_ucd(head)) return {FileKind::ucd, {}};
   if (begins_as_volume_text(head)) return {FileKind::volume_text, {}};
   if (ends_with_one_of(file, extensions_of(FileKind::opendx)) && head.find("class gridpositions") != std::string::npos) return {FileKind::opendx, {}};
   for (const FileKind kind : {FileKind::meta_image, FileKind::slc, FileKind::series, FileKind::xdmf, FileKind::gaussian_cube, FileKind::xsf, FileKind::frd, FileKind::ensight, FileKind::cgns, FileKind::bov})

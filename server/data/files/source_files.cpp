@@ -44,6 +44,7 @@ bool says_what_it_reads(FileKind kind) {
     case FileKind::frd:
     case FileKind::tecplot:
     case FileKind::med:
+    case FileKind::ucd:
     case FileKind::raw:
     case FileKind::bov:
     case FileKind::volume_text:

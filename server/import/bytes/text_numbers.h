@@ -49,6 +49,14 @@ class TextNumbers {
     text_.remove_prefix(std::min(line.size() + 1, text_.size()));
     return line.substr(0, line.find_last_not_of(" \t\r") + 1);
   }
+  /// The next letters up to a blank.
+  std::string_view word(const char* what) {
+    text_.remove_prefix(std::min(text_.find_first_not_of(" \t\r\n"), text_.size()));
+    const auto one = text_.substr(0, text_.find_first_of(" \t\r\n"));
+    if (one.empty()) throw Error(ErrorCode::bad_data, name_ + ": ends before " + what);
+    text_.remove_prefix(one.size());
+    return one;
+  }
   /// The next bytes, whatever they are: binary numbers within a text.
   std::string_view take(std::size_t bytes, const char* what) {
     if (bytes > text_.size()) throw Error(ErrorCode::bad_data, name_ + ": ends before " + what);

@@ -31,7 +31,7 @@ constexpr std::pair<FileKind, Reader> kReaders[] = {
     {FileKind::frd, read_frd},               {FileKind::tecplot, read_tecplot},
     {FileKind::raw, read_raw},               {FileKind::bov, read_bov},
     {FileKind::volume_text, read_volume_text}, {FileKind::mrtrix, read_mrtrix},
-    {FileKind::opendx, read_opendx},         {FileKind::amira, read_amira},
+    {FileKind::ucd, read_ucd},               {FileKind::opendx, read_opendx},         {FileKind::amira, read_amira},
     {FileKind::plot3d, read_plot3d},         {FileKind::gzip, read_gzip},
     {FileKind::zarr, read_zarr},             {FileKind::vtk_levels, read_vtk_levels},
     {FileKind::amrex, read_amrex},           {FileKind::hyper_tree, read_hyper_tree},

@@ -51,7 +51,7 @@ bool is_one_file(const Recognised& of) {
       return !of.vtk_type.starts_with("P") || of.vtk_type == "PolyData";
     case FileKind::vtk_legacy: case FileKind::vtkhdf: case FileKind::nrrd: case FileKind::meta_image: case FileKind::numpy:
     case FileKind::tiff: case FileKind::slc: case FileKind::gaussian_cube: case FileKind::xsf: case FileKind::vasp: case FileKind::gmsh: case FileKind::frd: case FileKind::tecplot: case FileKind::cgns: case FileKind::exodus: case FileKind::netcdf:
-    case FileKind::med: case FileKind::raw: case FileKind::mrtrix: case FileKind::opendx: case FileKind::amira: case FileKind::fits: case FileKind::mrc: case FileKind::npz: case FileKind::hdf5:
+    case FileKind::med: case FileKind::ucd: case FileKind::raw: case FileKind::mrtrix: case FileKind::opendx: case FileKind::amira: case FileKind::fits: case FileKind::mrc: case FileKind::npz: case FileKind::hdf5:
       return true;
     default:
       return false;

@@ -65,6 +65,9 @@ Imported read_gmsh(const ReadRequest& request);
 /// Tecplot's text, and its binary format since 2009.
 Imported read_tecplot(const ReadRequest& request);
 
+/// AVS UCD, text.
+Imported read_ucd(const ReadRequest& request);
+
 /// CalculiX's .frd.
 Imported read_frd(const ReadRequest& request);
 
