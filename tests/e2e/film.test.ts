@@ -132,6 +132,33 @@ test('a long film says how far it is, can be cancelled, and the next one can be 
   expect(viewer.problems).toEqual([]);
 });
 
+test('a film goes on over a killed renderer, with every picture', async () => {
+  const token = `film-worker-${process.pid}`;
+  const server = await Server.start({ data: ['torus:64'], token });
+  const viewer = await Viewer.open(stage.browser, server.ready.url);
+  try {
+    await viewer.until('layers', (state) => state.intervals.length > 0);
+    await viewer.exactPicture();
+    await open(viewer);
+    await small(viewer);
+    await field(viewer, 'Seconds that the film takes').fill('3');
+    const download = viewer.page.waitForEvent('download');
+    await form(viewer).getByRole('button', { name: 'Make film' }).click();
+    const bar = viewer.page.getByRole('progressbar', { name: 'A film of 90 pictures' });
+    await expect.poll(async () => (await bar.count()) && (await bar.evaluate((of: HTMLProgressElement) => of.value > 5)), { timeout: 30_000 }).toBe(true);
+    const engine = await fetch(new URL('api/v1/engine', server.ready.url), { headers: { Authorization: `Bearer ${token}` } });
+    const { process: pid } = (await engine.json()) as { process: number };
+    expect(pid).toBeGreaterThan(1); // 0 would be all of us
+    process.kill(pid, 'SIGKILL');
+    const { duration, pictures } = await played(viewer, readFileSync(await (await download).path()), [0.1, 1.5, 2.9]);
+    expect(duration).toBeCloseTo(3, 2);
+    for (const picture of pictures) expect(drawnPixels(picture)).toBeGreaterThan(2000);
+  } finally {
+    await viewer.close();
+    await server.stop();
+  }
+});
+
 test('a server that dies in the middle of it is told', async () => {
   const server = await Server.start({ data: ['torus:32'], token: `film-${process.pid}` });
   const viewer = await Viewer.open(stage.browser, server.ready.url);
