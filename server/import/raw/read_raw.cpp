@@ -1,4 +1,4 @@
-#include <bit>
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -12,7 +12,8 @@
 namespace isostrata {
 namespace {
 
-constexpr std::size_t kRows = 64;  // that are looked at
+constexpr std::size_t kRows = 64;          // that are looked at
+constexpr std::size_t kOfRow = 1u << 16;  // values of a row, at most
 
 /// The sum of the steps from value to value along rows, over that of the distances from the rows' means: about 1 of noise, much less of a field.
 template <class T>
@@ -58,7 +59,7 @@ Imported read_raw(const ReadRequest& request) {
   header.type = *said->type;
   for (std::size_t a = 0; a < said->sizes.size(); ++a) add_axis(header, said->sizes[a], a == 3 ? NrrdRole::time : NrrdRole::space, name);
   header.big_endian = said->big_endian.value_or(false);
-  const bool other = !said->big_endian && runs_the_other_way(file->bytes(), header.type, static_cast<std::size_t>(header.axes[0].size));
+  const bool other = !said->big_endian && runs_the_other_way(file->bytes(), header.type, std::min(static_cast<std::size_t>(header.axes[0].size), kOfRow));
   if (other) header.big_endian = true;
   Imported imported = read_described(request, header, file, "scalars");
   imported.notes.push_back("sizes and type are those of its name; points 1 apart");
