@@ -12,6 +12,7 @@
 #include <utility>
 #include <vector>
 
+#include "import/bytes/trimmed.h"
 #include "import/hdf5/hdf5_file.h"
 #include "import/imported/read_own.h"
 #include "import/meshes/numbered_mesh.h"
@@ -42,12 +43,6 @@ const MedKind* med_kind(std::string_view name) {
   };
   const auto at = std::find_if(kKinds.begin(), kKinds.end(), [&](const MedKind& of) { return of.name == name; });
   return at == kKinds.end() ? nullptr : &*at;
-}
-
-/// Texts of MED are filled up with blanks.
-std::string without_blanks(const std::string& text) {
-  const auto first = text.find_first_not_of(" \t"), last = text.find_last_not_of(" \t");
-  return first == std::string::npos ? "" : text.substr(first, last + 1 - first);
 }
 
 std::vector<std::string> names_along(std::string_view path) {
@@ -92,7 +87,7 @@ class MedFile {
     for (FileArray& array : imported.blocks.back().arrays)
       if (const auto unit = units_.find(array.name); unit != units_.end()) array.unit = unit->second;
     const std::string units = file_.text("ENS_MAA/" + mesh_name_, "UNI");
-    for (std::size_t a = 0; a < 3 && 16 * a < units.size(); ++a) imported.axes[a].unit = without_blanks(units.substr(16 * a, 16));
+    for (std::size_t a = 0; a < 3 && 16 * a < units.size(); ++a) imported.axes[a].unit = trimmed(units.substr(16 * a, 16));  // texts are filled up with blanks
     for (const std::string& note : notes_) add_note(imported.notes, note);
     return imported;
   }
@@ -141,7 +136,7 @@ class MedFile {
       const auto parts = names_along(trimmed_path(array.path));
       if (parts.size() != 6 || parts[0] != "CHA" || parts[5] != "CO") continue;
       const std::string field = "CHA/" + parts[1], group = field + "/" + parts[2];
-      if (const std::string mesh = without_blanks(file_.text(field, "MAI")); !mesh.empty() && mesh != mesh_name_) continue;
+      if (const std::string mesh{trimmed(file_.text(field, "MAI"))}; !mesh.empty() && mesh != mesh_name_) continue;
       if (!parts[3].starts_with("NOE") && !parts[3].starts_with("MAI.")) continue;
       if (parts[3].starts_with("NOE.")) {
         notes_.push_back("values at the corners of each cell are left out: " + parts[1]);
@@ -209,19 +204,15 @@ class MedFile {
   /// Against VTK's order, as the manual has its cells; some programs write them the other way.
   bool is_turned_over(const std::vector<std::int64_t>& ids, const ElementKind& kind) const {
     if (kind.dimension < 3) return false;
-    const bool has_top = kind.vtk_type == VTK_WEDGE || kind.vtk_type == VTK_QUADRATIC_WEDGE;
-    const std::array<std::size_t, 4> corners = kind.nodes == 8 || kind.nodes >= 20 ? std::array<std::size_t, 4>{0, 1, 3, 4}
-                                               : has_top                           ? std::array<std::size_t, 4>{0, 1, 2, 3}
-                                               : kind.nodes == 5 || kind.nodes == 13 ? std::array<std::size_t, 4>{0, 1, 3, 4}
-                                                                                     : std::array<std::size_t, 4>{0, 1, 2, 3};
+    const bool four_below = kind.vtk_type == VTK_HEXAHEDRON || kind.vtk_type == VTK_QUADRATIC_HEXAHEDRON || kind.vtk_type == VTK_PYRAMID || kind.vtk_type == VTK_QUADRATIC_PYRAMID;
+    const std::array<std::size_t, 4> corners = four_below ? std::array<std::size_t, 4>{0, 1, 3, 4} : std::array<std::size_t, 4>{0, 1, 2, 3};
     std::array<Vec3d, 4> at;
     for (std::size_t i = 0; i < 4; ++i) {
       const auto place = mesh_.nodes.place(ids[corners[i]]);
       if (!place) return false;  // whoever adds it says so
       at[i] = mesh_.points[static_cast<std::size_t>(*place)];
     }
-    const double volume = orient3d(at[0], at[1], at[2], at[3]);
-    return volume < 0;
+    return orient3d(at[0], at[1], at[2], at[3]) < 0;
   }
 
   void read_fields() {
@@ -244,7 +235,7 @@ class MedFile {
       if (is_new) {
         const bool both = arrays.contains({part.field, !cells});
         mesh_.arrays.emplace_back(part.field + (both ? cells ? " (cells)" : " (nodes)" : ""), cells, static_cast<int>(components), cells ? mesh_.elements.size() : mesh_.nodes.size());
-        if (const std::string unit = without_blanks(file_.text(part.group, "UNI").substr(0, 16)); !unit.empty()) units_[mesh_.arrays.back().name] = unit;
+        if (const std::string unit{trimmed(file_.text(part.group, "UNI").substr(0, 16))}; !unit.empty()) units_[mesh_.arrays.back().name] = unit;
       }
       fill(part, mesh_.arrays[at->second], range, components, points);
     }
